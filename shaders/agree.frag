@@ -1,10 +1,11 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass agree: depths of one camera against those of another one. A surface that the other measures
-// too gets the weighted mean of both, what the other one sees through is unknown, the rest stays.
+// Pass agree: compares the depths of a camera with those of another one. A surface that the other
+// camera measures too gets the weighted mean of both depths; one that it sees through becomes
+// unknown; the rest stays.
 //   z_m, step_m, tof_ray  of this camera (correct_smooth.frag, correct_clean.frag)
-//   other_z_m, other_step_m  of the other one
-//   other_px  pixel of the other one's picture for each pixel of it without lens; NaN: none
+//   other_z_m, other_step_m  of the other camera
+//   other_px  the other camera's pixel for each pixel of its picture without lens; NaN: none
 //   agreed_m  metres, 0 unknown
 #include "common/precision.glsl"
 #include "common/constants.glsl"

@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass mix: share of a pixel that shows anything, where the background is replaced by nothing.
+// Pass mix: share of a pixel that shows anything, where nothing replaces the background.
 //   matte          people, 0..1
 //   virtual_color  coverage in alpha
 //   alpha          0..1

@@ -1,14 +1,14 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass background: what the model has of the surface that a pixel shows at this pose.
+// Pass background: looks up in the model the surface that a pixel shows at this pose.
 //   w             1/m of the drawn model, sign aside, 0 unknown
-//   model_sigma_m spread of the model's depth
-//   model_normal  axes of the first face, 0 unknown; alpha: the number of its plane over 127, 0 none,
+//   model_sigma_m sigma of the model's depth
+//   model_normal  axes of the first face, 0 unknown; alpha: its plane number over 127, 0 none,
 //                 negative where the depth has wrapped around and the plane lies behind it
 //   model_w       1/m of the model, 0 unknown
-//   depth         how well the model saw the surface: of several models the best one is kept
-//   depth_m       z in metres, 0 unknown; spread_m of the model's depth
-//   light_m       z where light falls on it: on planes of the model
+//   depth         how well the model saw the surface; with several models the best one is kept
+//   depth_m       z in metres, 0 unknown; spread_m: sigma of the model's depth
+//   light_m       z of the surface on which light is computed: on planes of the model
 //   normal        camera axes, 0 unknown
 #include "common/precision.glsl"
 #include "common/constants.glsl"
@@ -22,7 +22,8 @@ layout(location = 0) out float depth_m;
 layout(location = 1) out float spread_m;
 layout(location = 2) out vec4 normal;
 layout(location = 3) out float light_m;
-uniform vec3 planes[most_light_planes + 1];  // (x/z, y/z, 1) . plane = 1/z; the first one is none
+// (x/z, y/z, 1) . plane = 1/z; the first entry means no plane.
+uniform vec3 planes[most_light_planes + 1];
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);

@@ -1,12 +1,12 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass background: the learned colour of the surface that a pixel shows.
+// Pass background: looks up the learned colour of the surface that a pixel shows.
 //   w             1/m of the drawn model, sign aside, 0 unknown
 //   model_w       1/m of the model, 0 unknown
-//   model_color   sRGB, bilinear, color_factor times as large; alpha: spread of a channel in steps
+//   model_color   sRGB, bilinear, color_factor times as large; alpha: sigma of a channel in steps
 //                 of most_spread / 254, 255 where unknown
-//   depth         how well the model saw the surface: of several models the best one is kept
-//   learned       linear light, -1 where unknown; learned_sigma its spread
+//   depth         how well the model saw the surface; with several models the best one is kept
+//   learned       linear light, -1 where unknown; learned_sigma its sigma
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/view.glsl"
@@ -31,7 +31,7 @@ void main() {
   if (several && !seen) return;
   vec2 px = (place.px + 0.5) * float(color_factor);
   if (texelFetch(model_color, ivec2(px), 0).a == 1.0) return;
-  // The model saw another surface before this one: that one's colour says nothing about it.
+  // Where the model saw another surface in front, its colour is not this surface's.
   if (seen_w > 0.0 && abs(1.0 - place.z_m * seen_w) > hidden_part) return;
   if (seen) gl_FragDepth = place.score;
   vec4 color = textureLod(model_color, px / vec2(textureSize(model_color, 0)), 0.0);

@@ -1,9 +1,9 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass background: the limit of the key, as prepare.cpp makes it for a camera that stands still.
+// Pass background: computes the key's limit, as prepare.cpp does for a camera that stands still.
 //   row_w    largest w within `radius` along each row, 1/m
-//   depth_m  of the background, 0 unknown; spread_m of it
-//   limit_w  1/m: what is nearer is foreground; no_limit_w where the background has no depth
+//   depth_m  of the background, 0 unknown; spread_m its sigma
+//   limit_w  1/m: nearer points are foreground; no_limit_w where the background has no depth
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 layout(binding = 0) uniform sampler2D row_w;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pass background, limit of the key: the nearest surface within `radius` along a row.
 //   w      1/m, sign aside, 0 unknown
-//   most_w largest of it
+//   most_w largest w within the radius
 #include "common/precision.glsl"
 layout(binding = 0) uniform sampler2D w;
 uniform int radius;

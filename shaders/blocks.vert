@@ -1,7 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// A rectangle for each block that has one of the wanted flags, nothing for the others: passes that
-// work at the border of people cost nothing elsewhere.
+// Draws a rectangle for each block that has one of the wanted flags: passes that work at the border
+// of people cost nothing elsewhere.
 //   blocks  a texel a block, flags in x (key_band.frag)
 #include "common/precision.glsl"
 layout(binding = 6) uniform sampler2D blocks;

@@ -1,10 +1,10 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass warp, first half: the triangles of all cells of four neighbouring ToF pixels. Vertex ids:
-// y * width + x is a ToF pixel; past those, pixel_count + 9 pixel + corner is one of the 3 x 3
-// corners, half a pixel apart, of what a ToF pixel owns in cut cells.
-//   vertices  as correct_links.frag gives them
-//   draw      arguments of glDrawElementsIndirect; count is 0 before
+// Pass warp, first half: writes the triangles of all cells of four neighbouring ToF pixels. Vertex
+// ids: y * width + x is a ToF pixel; from pixel_count on, pixel_count + 9 pixel + corner is one of
+// the 3 x 3 corners, half a pixel apart, of the area that a ToF pixel owns in cut cells.
+//   vertices  from correct_links.frag
+//   draw      arguments of glDrawElementsIndirect; count must be 0 before
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 layout(local_size_x = 64) in;
@@ -24,7 +24,7 @@ void triangle(uint a, uint b, uint c) {
 
 uint pixel_id(ivec2 at) { return uint(at.y * size.x + at.x); }
 
-// The quarter cell from pixel `at` towards the cell's middle: front side like whole cells.
+// Adds the quarter cell from pixel `at` towards the cell's middle, oriented like whole cells.
 void quarter(ivec2 at, ivec2 to) {
   uint first = uint(size.x * size.y) + 9u * pixel_id(at);
   uint mid = first + 4u;

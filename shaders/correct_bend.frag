@@ -1,7 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass correct, second sweep: how far a pixel is off the line through its neighbours, on the
-// straightest axis. Noise shows on all axes, an edge of the scene not along itself.
+// Pass correct, second step: distance of a pixel from the line through its neighbours, on the
+// straightest axis. Noise bends all axes, an edge of the scene not the one along itself.
 //   raw_z_m  metres, 0 unknown
 //   bend_m   metres, at most a part of the depth
 #include "common/precision.glsl"

@@ -1,9 +1,10 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass correct, third sweep: what is a depth step here, and stray pixels given to a surface.
+// Pass correct, third step: finds the threshold of a depth step, and gives flying pixels to a
+// surface.
 //   raw_z_m  metres, 0 unknown; bend_m of correct_bend.frag
 //   z_m      metres, 0 unknown
-//   step_m   least depth step around the pixel
+//   step_m   threshold of a depth step at the pixel
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/tof.glsl"

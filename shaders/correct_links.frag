@@ -1,8 +1,8 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass correct, fifth sweep: which neighbours lie on one surface, and how it goes on there.
+// Pass correct, fifth step: links neighbours on one surface, and finds the slope of that surface.
 //   z_m     metres, smoothed, 0 unknown; step_m of correct_clean.frag
-//   vertex  w = 1/z (0 unknown), w's change a pixel along x and y, links (1 right, 2 down,
+//   vertex  w = 1/z (0 unknown), change of w a pixel along x and y, links (1 right, 2 down,
 //           4 down-right, 8 down-left) as a number
 #include "common/precision.glsl"
 #include "common/constants.glsl"
@@ -19,7 +19,7 @@ bool linked(ivec2 at, ivec2 d) {
                                  run_on(a, b, value_at(z_m, at + 2 * d), limit));
 }
 
-// Mean difference of w over the links that hold before and after a pixel, 0 without.
+// Mean difference of w over the links that hold before and after a pixel; 0 without links.
 float slope(ivec2 at, ivec2 d, bool after_holds) {
   bool before_holds = linked(at - d, d);
   float w = 1.0 / value_at(z_m, at);

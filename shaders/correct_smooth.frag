@@ -1,7 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass correct, fourth sweep: mean of inverse depth over neighbours within half a step, and pairs
-// of opposite ones within a step: one side alone would pull a sloping surface over.
+// Pass correct, fourth step: mean of inverse depth over neighbours within half a step, and over
+// pairs of opposite ones within a step: one side alone would bias a sloping surface.
 //   clean_z_m, step_m  of correct_clean.frag
 //   z_m                metres, 0 unknown
 #include "common/precision.glsl"

@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass correct, first sweep: what the ToF camera gave becomes z.
+// Pass correct, first step: turns the ToF camera's values into z.
 //   depth_m  metres along z or along the ray; anything but a positive number is unknown
 //   tof_ray  (x/z, y/z); NaN where the lens has no ray
 //   z_m      metres, 0 unknown

@@ -1,9 +1,9 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass plate: a picture as its camera wrote it becomes sRGB, as pixel_of() (hal/base/raw_picture.h)
-// does it, to the bit.
-//   raw      samples: of YUYV luma in red, chroma in green; else one a texel
-//   chroma   u and v of NV12, half the size; else not read
+// Pass plate: turns a picture in its camera's format into sRGB, bit for bit as pixel_of()
+// (hal/base/raw_picture.h) does.
+//   raw      samples: luma in red and chroma in green for YUYV, else one a texel
+//   chroma   u and v of NV12, half the size; not read for other formats
 //   samples  sRGB bytes of the 256 values of a sample, where has_samples
 //   ramp     sRGB bytes 0 to 255, so that a fetch gives their linear light
 //   color    linear light, opaque; the target encodes to sRGB again
@@ -14,9 +14,9 @@ layout(binding = 2) uniform sampler2D samples;
 layout(binding = 3) uniform sampler2D ramp;
 uniform bool is_yuyv, is_nv12, is_bayer, has_samples;
 uniform ivec2 size, red_at;
-uniform ivec3 luma;         // scale, shift, what is added
-uniform ivec2 red_blue;     // red of v, blue of u
-uniform ivec3 green_shift;  // green of u, green of v; shift of the sums
+uniform ivec3 luma;         // scale, shift, offset
+uniform ivec2 red_blue;     // factor of v for red, of u for blue
+uniform ivec3 green_shift;  // factors of u and v for green; shift of the sums
 out vec4 color;
 
 ivec3 bytes_of(vec3 texel) { return ivec3(texel * 255.0 + 0.5); }
@@ -42,12 +42,12 @@ ivec3 nv12_at(ivec2 at) {
   return rgb_of(sample_at(at), bytes_of(texelFetch(chroma, at / 2, 0).rgb).rg);
 }
 
-// Mirrored at the ends; a side of one pixel has only itself.
+// Index mirrored at the ends; a side of one pixel has only itself.
 int mirrored(int at, int count) {
   return count == 1 ? 0 : at < 0 ? -at : at >= count ? 2 * count - 2 - at : at;
 }
 
-// As sRGB of the colour that the filter lets through there.
+// sRGB value of the colour that the Bayer filter passes at a pixel.
 int bayer_sample(ivec2 at) {
   int value = sample_at(ivec2(mirrored(at.x, size.x), mirrored(at.y, size.y)));
   if (!has_samples) return value;

@@ -6,7 +6,7 @@
 # `inline constexpr TYPE kName = VALUE;` becomes `const TYPE name = VALUE;`.
 cmake_minimum_required(VERSION 3.25)
 
-# A number of a C++ header in GLSL; doubles become floats.
+# Converts a constant of a C++ header to GLSL; doubles become floats.
 function(to_glsl definition out)
   string(REGEX MATCH "constexpr (int|float|double) k([A-Za-z0-9]+) = ([-0-9.e]+)" found "${definition}")
   set(type ${CMAKE_MATCH_1})
@@ -34,7 +34,7 @@ function(write_constants)
   file(WRITE ${OUT}/common/constants.glsl "${text}")
 endfunction()
 
-# The text of stage `name` with its includes, and the files that their numbers mean.
+# Builds the text of stage `name` with its includes, and the list of files that its numbers mean.
 function(expand name out_text out_files)
   file(READ ${IN}/${name} rest)
   set(done "")

@@ -1,7 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass focus: depth of field in three layers, as host/render/cpu/mix/focus.h says.
-//   color    linear, the matte in alpha: as it is given on
+// Pass focus: depth of field in three layers (method: host/render/cpu/mix/focus.h).
+//   color    linear, the matte in alpha, which is passed on
 //   disc     of focus_disc.frag
 //   near     of focus_near.frag
 #include "common/precision.glsl"
@@ -10,12 +10,12 @@ layout(binding = 0) uniform sampler2D color;
 layout(binding = 1) uniform sampler2D disc;
 layout(binding = 2) uniform sampler2D near;
 uniform float blur_px_m;
-uniform int stride_from_px;  // every second tap is taken from twice this radius
+uniform int stride_from_px;  // every second tap is taken from twice this disc radius on
 layout(location = 0) out vec4 focused;
 
 float covered(float reach, float d) { return clamp(reach + 0.5 - d, 0.0, 1.0); }
 
-// Before over own over behind: light times share, and share.
+// Composites before over own over behind, each as light times share, and share.
 vec3 resolve(vec4 before, vec4 own, vec4 behind) {
   float front = min(before.a, 1.0), middle = min(own.a, 1.0);
   float of_own = middle * (1.0 - front);
@@ -46,7 +46,7 @@ void main() {
       if (x < 0 || x >= size.x || d_2 >= end * end) continue;
       vec3 there = texelFetch(disc, ivec2(x, y), 0).rgb;
       float d = sqrt(d_2), off_w = there.x - here.x;
-      // Behind an edge the room is seen through the part of the lens that the edge leaves free.
+      // Behind an edge, the room is seen through the part of the lens that the edge leaves free.
       float part = covered(off_w < -step_w ? max(there.y, here.y) : there.y, d) * there.z;
       if (part <= 0.0) continue;
       vec4 light = part * vec4(texelFetch(color, ivec2(x, y), 0).rgb, 1);

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pass focus: the disc of each pixel.
 //   mixed_m  z in metres, 0 unknown
-//   plane_w  one texel: 1/z of what is sharp
-//   area     pixels that a disc covers, by its radius
-//   disc     1/z (without depth that of the pixel to the left), radius in pixels, 1 / area
+//   plane_w  one texel: 1/z in focus
+//   area     pixels that a disc covers, by radius
+//   disc     1/z (without depth, that of the pixel to the left), radius in pixels, 1 / area
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 layout(binding = 0) uniform sampler2D mixed_m;

@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass focus: the greatest radius of each tile and of those within `reach` tiles.
+// Pass focus: largest radius within `reach` tiles around each tile.
 //   tiles  of focus_tiles.frag
 #include "common/precision.glsl"
 layout(binding = 0) uniform sampler2D tiles;

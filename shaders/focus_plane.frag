@@ -1,7 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass focus: the sharp plane of a pixel, the median of the known depths about it. Where none is
-// known, what the target holds stays.
+// Pass focus: 1/z in focus, by the median of the known depths around a pixel. If none is known, the
+// target keeps its content.
 //   mixed_m  z in metres, 0 unknown
 //   plane_w  1/z
 #include "common/precision.glsl"

@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass focus: the greatest radius of each tile.
+// Pass focus: largest radius in each tile.
 //   disc  of focus_disc.frag
 #include "common/precision.glsl"
 #include "common/constants.glsl"

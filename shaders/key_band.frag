@@ -1,13 +1,13 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass key, a pixel a block: where votes decide, and the person that they compare with.
+// Pass key, one pixel a block: where votes decide, and people's colours that they compare with.
 //   counts, colors, rooms  blocks without speckles (common/key.glsl)
 //   band    1 near foreground + 2 in the band + 4 votes decide + 8 has colour + 16 may show
-//           people; mean w of the foreground around, variance of its colour; matte where no
+//           people; mean w of the foreground around; variance of its colour; matte where no
 //           vote decides
 //   person  mean colour of the foreground around, linear
-//   room    mean colour of the background around, linear, and its variance; 0 where not known
-//   person_deep  that of the nearest block of deep (key_deep.frag); the first one row by row
+//   room    mean colour of the background around, linear, and its variance; 0 if not known
+//   person_deep  of the nearest block of `deep` (key_deep.frag); of several, the first row by row
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/key.glsl"

@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass key, a pixel a block: what the block holds (common/key.glsl).
+// Pass key, one pixel a block: sums over the block's pixels (common/key.glsl).
 //   state  of key_state.frag
 //   w      1/m, negative where a cut cell drew it
 //   plate  linear light, view

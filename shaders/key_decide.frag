@@ -1,11 +1,11 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass key: where votes decide (only such blocks are drawn) depth and colour vote together.
+// Pass key: depth and colour vote together, drawn only for blocks where votes decide.
 //   state         of key_state.frag
 //   counts        blocks without speckles (common/key.glsl)
-//   band          of key_band.frag
-//   votes         of key_votes.frag, blocks with a border of one
-//   matte         people, 0..1, before it is refined (key_matte.frag)
+//   band          from key_band.frag
+//   votes         from key_votes.frag, blocks with a border of one
+//   matte         people, 0..1, not yet refined (key_matte.frag)
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/key.glsl"
@@ -15,7 +15,7 @@ layout(binding = 2) uniform sampler2D band;
 layout(binding = 3) uniform sampler2D votes;
 uniform bool use_color;
 uniform ivec2 tap_px;  // half a footprint and a whole one
-uniform int inside_px;  // between taps all around
+uniform int inside_px;  // distance of the taps all around
 out float matte;
 
 int state_at(ivec2 at) {
@@ -34,7 +34,7 @@ float share_at(ivec2 at) {
   return s == foreground ? 1.0 : s == background ? 0.0 : unknown_share;
 }
 
-// People's share of the taps around, those of the votes or half a block and more apart.
+// People's share of the taps around: those of the depth vote or, for `inside`, wider ones.
 float share_around(ivec2 at, bool inside) {
   float sum = 0.0;
   for (int j = -depth_tap_radius; j <= depth_tap_radius; ++j)
@@ -61,7 +61,7 @@ vec2 color_vote(ivec2 at, ivec2 block) {
 
 float odds_of_people(ivec2 at, ivec2 block, int s) {
   vec2 color = color_vote(at, block);
-  // 1e-4: sums of fifths are exact in the other back end.
+  // 1e-4: the cpu back end sums fifths exactly.
   bool inside = s == foreground && color.y < 0.5 && share_around(at, true) >= inside_share - 1e-4;
   return color.x + (inside ? inside_weight : depth_vote(at));
 }

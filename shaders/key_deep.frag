@@ -1,8 +1,8 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass key, a pixel a block: people's colour deep inside the foreground.
+// Pass key, one pixel a block: people's colour deep inside the foreground.
 //   counts, colors  blocks without speckles (common/key.glsl)
-//   deep    mean colour, linear, and its variance; 0 where a block around is not foreground alone
+//   deep    mean colour, linear, and its variance; 0 if some block around is not all foreground
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/key.glsl"

@@ -1,6 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass key: all of a block is a person or background, until votes decide (key_decide.frag).
+// Pass key: fills a block with people or background; votes replace it where they decide
+// (key_decide.frag).
 //   band       of key_band.frag
 //   matte      people, 0 or 1
 #include "common/precision.glsl"

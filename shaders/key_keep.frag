@@ -1,9 +1,9 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass key: what the next frame needs of this one.
+// Pass key: copies the images that the next frame needs.
 //   plate         linear light, view
 //   matte         people, 0..1
-//   kept_plate, kept_matte  as these
+//   kept_plate, kept_matte  copies of these
 #include "common/precision.glsl"
 layout(binding = 0) uniform sampler2D plate;
 layout(binding = 1) uniform sampler2D matte;

@@ -1,7 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass key, a pixel a tile: the matte as a line of the colour, a . c + b, by least squares over 5x5
-// tiles (He, Sun and Tang 2010).
+// Pass key, one pixel a tile: the matte as a line of the colour, a . c + b, by least squares over
+// 5x5 tiles (He, Sun and Tang 2010).
 //   counts, with_p, squares, products  of key_tiles.frag
 //   line    a, b
 //   people  mean of p, and of p c

@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass key: the matte as it is used, refined where votes decide, joined by the one before, and the
+// Pass key: the final matte, refined where votes decide and blended with the previous one, and the
 // depth that follows from it.
 //   voted, band  of key_decide.frag and key_fill.frag, and of key_band.frag
 //   state, counts  of key_state.frag and key_speckles.frag
@@ -10,7 +10,7 @@
 //   w            1/m, sign aside; 0 unknown
 //   plate_before, matte_before  of the frame before; motion_px of each cell since then
 //   matte        people, 0..1
-//   visible_w    of the visible real surface, 1/m, 0 unknown
+//   visible_w    inverse depth of the visible real surface, 1/m, 0 unknown
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/key.glsl"
@@ -45,7 +45,8 @@ vec4 of_tiles(sampler2D tiles, ivec2 at) {
   return mix(above, below, f.y);
 }
 
-// The share of people by the line, mixed with that by both colours, by how sure that is.
+// Mixes the people's share by the line with their share by both colours, by the latter's
+// confidence.
 float share_of_colors(ivec2 at, vec3 p, float share) {
   vec4 around = of_tiles(people, at);
   vec3 known = texelFetch(learned, at, 0).rgb;
@@ -76,7 +77,7 @@ bool is_foreground_at(ivec2 at) {
          (int(texelFetch(counts, at / block_px, 0).w) & 4) == 0;
 }
 
-// Foreground beside a pixel: distance, beyond the reach where there is none, and inverse depth.
+// Foreground beside a pixel: distance (beyond the reach: none) and inverse depth.
 struct Beside {
   int px;
   float w;
@@ -92,7 +93,8 @@ Beside beside(ivec2 at, ivec2 way) {
   return Beside(fill_reach_px + 1, 0.0);
 }
 
-// Of the two sides of a pixel in one direction; the rear one of what the ToF camera cannot see.
+// The better one of both sides of a pixel along a direction: the rear one where the ToF camera
+// cannot see the place.
 Beside nearest(ivec2 at, ivec2 way, float parallax) {
   Beside a = beside(at, -way), b = beside(at, way);
   bool both = max(a.px, b.px) <= fill_reach_px;
@@ -111,7 +113,7 @@ float filled_w(ivec2 at, float otherwise) {
   return near.px <= fill_reach_px ? near.w : otherwise;
 }
 
-// Share of the matte before `from` pixels away, by how alike 3x3 pixels are.
+// Share of the previous matte `from` pixels away, by how alike 3x3 pixels are.
 float share_of_before(ivec2 at, ivec2 from) {
   ivec2 last = textureSize(plate, 0) - 1;
   float sum = 0.0;
@@ -120,7 +122,7 @@ float share_of_before(ivec2 at, ivec2 from) {
       ivec2 here = clamp(at + ivec2(i, j), ivec2(0), last);
       vec3 a = texelFetch(plate, here, 0).rgb;
       vec3 b = texelFetch(plate_before, clamp(here - from, ivec2(0), last), 0).rgb;
-      // sqrt(6) / 2 of this is what the roots of the three channels differ by, summed.
+      // The roots of the three channels differ by sqrt(6) / 2 times this sum.
       sum += dot(abs(a - b), vec3(1)) * inversesqrt(dot(a + b, vec3(1)) + 2e-5);
     }
   float off = 255.0 / 27.0 * 1.2247449 * sum / alike;
@@ -141,8 +143,8 @@ bool may_be_people(ivec2 at) {
   return false;
 }
 
-// The matte before joins where the plate stayed alike. Where people move, the room stays and only
-// they come from elsewhere.
+// Blends in the previous matte where the plate has not changed. Where people move, the matte at the
+// same place may only take people away, and the moved one may only add them.
 float steadied(ivec2 at, float now) {
   ivec2 middle = at / block_px * block_px + block_px / 2;
   ivec2 cell = min(middle / cell_px, textureSize(motion_px, 0) - 1);
@@ -171,7 +173,7 @@ void main() {
   bool is_foreground = is_foreground_at(at), is_person = matte > 0.0;
   if (is_person == is_foreground) return;
   visible_w = is_person ? filled_w(at, near.y) : 0.0;
-  // What is known and nearer is kept in doubt: virtual objects must not cover it.
+  // Doubt keeps a known depth that is nearer: virtual objects must not cover it.
   if (is_person && to_state(texelFetch(state, at, 0).r) == doubt)
     visible_w = max(measured, visible_w);
 }

@@ -1,7 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass key, a pixel a block: foreground too small to be a person becomes background, and what is
-// unknown beside what a mirror shows.
+// Pass key, one pixel a block: turns foreground too small for a person, and unknown pixels beside a
+// mirror's depth, into background.
 //   counts, colors, rooms  blocks, in and out (common/key.glsl)
 #include "common/precision.glsl"
 #include "common/constants.glsl"
@@ -9,7 +9,7 @@
 layout(binding = 0) uniform sampler2D counts;
 layout(binding = 1) uniform sampler2D colors;
 layout(binding = 2) uniform sampler2D rooms;
-uniform float tof_px;  // pixels that one of the ToF camera covers
+uniform float tof_px;  // view pixels that a ToF pixel covers
 layout(location = 0) out vec4 kept_counts;
 layout(location = 1) out vec4 kept_colors;
 layout(location = 2) out vec4 kept_rooms;

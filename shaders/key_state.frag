@@ -1,8 +1,8 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass key, by depth: foreground before the limit, background at or behind it.
+// Pass key, by depth: points nearer than the limit are foreground, the others background.
 //   w        1/m, sign aside; 0 unknown
-//   limit_w  1/m, infinite where the background has no depth; not read where the volume alone keys
+//   limit_w  1/m, infinite where the background has no depth; not read if the volume alone keys
 //   state    render::PixelState / 255; edge means doubt
 #include "common/precision.glsl"
 #include "common/constants.glsl"
@@ -14,7 +14,7 @@ uniform mat4 world_from_camera;
 uniform vec3 crop_min_m, crop_max_m;
 uniform vec2 focal_px, center_px;
 uniform bool by_volume;
-uniform vec3 floor_w;  // 1/m: inverse depth of the floor is its product with a ray
+uniform vec3 floor_w;  // 1/m: the floor's inverse depth is its dot product with a ray
 uniform float noise_factor, noise_floor_m, noise_linear, noise_quadratic_per_m;
 out float state;
 

@@ -1,8 +1,9 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass key, a pixel a tile near blocks where votes decide: sums over its pixels for key_lines.frag.
+// Pass key, one pixel a tile near blocks where votes decide: sums over its pixels for
+// key_lines.frag.
 //   plate   linear light; the colour c is its square root
-//   voted   matte before it is refined, p
+//   voted   matte before refinement, p
 //   band    of key_band.frag
 //   counts  number of pixels, sum of p, sums of c.r and c.g
 //   with_p  sum of c.b, sums of c p

@@ -1,13 +1,13 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
 // Pass key, by colour: log odds of foreground. The target holds each block's pixels with a border
-// of one, since a block's neighbours compare with other people.
+// of one, since neighbouring blocks compare with other people.
 //   plate         linear light, view
-//   learned       background colour, linear, red negative where unknown, and its spread (0 where
+//   learned       background colour, linear, red negative where unknown, and its sigma (0 where
 //                 not learned)
 //   band, person, room, person_deep  blocks, of key_band.frag
-//   vote          within color_vote_cap, or up to brighter_vote_cap; only blocks where votes decide
-//                 are drawn; with whether people's colours cannot explain it (common/key.glsl)
+//   vote          within color_vote_cap, or up to brighter_vote_cap; drawn only where votes decide;
+//                 also whether people's colours cannot explain the pixel (common/key.glsl)
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/key.glsl"
@@ -19,11 +19,11 @@ layout(binding = 2) uniform sampler2D learned_sigma;
 layout(binding = 3) uniform sampler2D band;
 layout(binding = 4) uniform sampler2D person;
 layout(binding = 5) uniform sampler2D room;
-layout(binding = 7) uniform sampler2D person_deep;  // 6 is that of blocks.vert
+layout(binding = 7) uniform sampler2D person_deep;  // unit 6 is that of blocks.vert
 uniform bool has_learned, has_sigma, is_still;
 out float vote;
 
-// Of a colour with a variance.
+// Log odds of a colour by a mean and its variance, without constants.
 float odds_of(vec3 p, vec4 color) {
   vec3 off = p - color.rgb;
   return -0.5 * dot(off, off) / color.a - spread_odds * log(color.a);
@@ -44,7 +44,7 @@ void main() {
   if (!has_learned && (around.a == 0.0 || !has_person)) return;
   vec3 off = p - around.rgb;
   float background2 = dot(off, off) / max(around.a, 1e-12), variance = around.a;
-  bool no_shadow = false;  // of people on a learned background
+  bool no_shadow = false;  // the colour is no shadow of people on the learned background
   if (has_learned) {
     vec3 known = texelFetch(learned, at, 0).rgb;
     if (known.r < 0.0) return;  // unknown

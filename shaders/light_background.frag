@@ -1,9 +1,9 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: what the empty room keeps of its light beside the virtual objects.
+// Pass light: light that the empty room keeps beside the virtual objects.
 //   background_m       z in metres, 0 unknown
 //   background_normal  camera axes, 0 unknown
-//   light              0..1, 1 where there is no background
+//   light              0..1, 1 without background
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/color.glsl"

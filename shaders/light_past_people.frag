@@ -1,7 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: what the room keeps of its light beside the virtual objects where people hide a lamp,
-// so that the plate is dark already. Drawn over the background's light.
+// Pass light: light that the room keeps beside the virtual objects where people hide a lamp, so
+// that the plate is dark already. Drawn over the background's light.
 //   background_m       z in metres, 0 unknown
 //   background_normal  camera axes, 0 unknown
 //   background_light   of light_background.frag
@@ -26,7 +26,7 @@ void main() {
   if (light >= 1.0 || z <= 0.0) return;
   vec3 ray = ray_of(at), stored = texelFetch(background_normal, at, 0).xyz;
   vec3 normal = normalize(stored == vec3(0) ? -ray : stored);
-  bool hidden = false;  // from any lamp, by people
+  bool hidden = false;  // people hide some lamp
   int whole_lamps = lamp_count > 0 ? lamps[lamp_count - 1].map_size_texel.z + 1 : 0;
   for (int i = 0; i < whole_lamps && !hidden; ++i)
     hidden = visibility_past(people_lamps[i], people_maps, i, ray * z, normal) < 1.0;

@@ -1,7 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: the light of people, blended over the background's by the matte in the blocks that may
-// show them.
+// Pass light: blends the light of people over the background's by the matte, in blocks that may
+// show people.
 //   matte               people, 0..1
 //   tile_w, tile_light  of light_tile_w.frag and light_tiles.frag
 //   light               0..1, and the matte as alpha
@@ -12,7 +12,7 @@ layout(binding = 1) uniform sampler2D tile_w;
 layout(binding = 2) uniform sampler2D tile_light;
 out vec4 light;
 
-// Bilinear over the tiles that hold people; 1 where none does.
+// Bilinear over the tiles that contain people; 1 if none does.
 float people_light(ivec2 at) {
   vec2 tile = (vec2(at) - 0.5 * float(light_tile_px - 1)) / float(light_tile_px);
   ivec2 first = ivec2(floor(tile)), last = textureSize(tile_w, 0) - 1;

@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass light, a pixel a tile: where its people are. No ToF camera sees finer than a tile.
+// Pass light, one pixel a tile: depth of its people. No ToF camera resolves finer than a tile.
 //   matte      people, 0..1
 //   visible_w  1/m, of the person where the matte is at least half; 0 unknown
 //   tile_w     mean, 1/m; 0 without people

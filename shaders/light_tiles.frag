@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass light, a pixel a tile: light of the people in it.
+// Pass light, one pixel a tile: light of the people in it.
 //   tile_w      of light_tile_w.frag
 //   tile_light  0..1; 1 without people
 #include "common/precision.glsl"
@@ -19,7 +19,7 @@ float w_at(ivec2 tile) {
   return inside ? texelFetch(tile_w, tile, 0).r : 0.0;
 }
 
-// From the slope of w between tiles; towards the camera where that is not known.
+// Normal from the slope of w between tiles; towards the camera if unknown.
 vec3 person_normal(ivec2 tile, vec3 ray, float w) {
   ivec2 dx = ivec2(reach, 0), dy = ivec2(0, reach);
   float left = w_at(tile - dx), right = w_at(tile + dx);

@@ -1,13 +1,13 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass look: virtual colour filtered along rows.
+// Pass look: filters virtual colour along rows.
 //   virtual_color  linear, premultiplied by the coverage in alpha
-//   across         the same as brightness, red and blue less it
+//   across         filtered, as brightness, red - brightness, blue - brightness, coverage
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/color.glsl"
 layout(binding = 0) uniform sampler2D virtual_color;
-// Weights of the pixel itself and of those 1 and 2 beside it: of brightness and coverage, and of
+// Weights of the pixel itself and of those 1 and 2 beside it: for brightness and coverage, and for
 // colour differences.
 uniform vec3 light_taps, chroma_taps;
 out vec4 across;

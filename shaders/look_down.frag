@@ -1,10 +1,10 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass look: virtual colour filtered along columns, after look_along.frag.
-//   across     brightness, red and blue less it, coverage
+// Pass look: filters virtual colour along columns, after look_along.frag.
+//   across     brightness, red - brightness, blue - brightness, coverage
 //   color      linear, premultiplied by the coverage in alpha
 //   virtual_w  1/m, 0 where not covered
-//   w          of pixels that only the blur covers: of the nearest that they are blurred from
+//   w          1/m; pixels that only the blur covers have that of the nearest pixel it reaches
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/color.glsl"
@@ -22,7 +22,7 @@ vec4 weights(int i) {
   return vec4(light_taps[i], chroma_taps[i], chroma_taps[i], light_taps[i]);
 }
 
-// As from_differences() of host/render/frame/picture_look.h.
+// The same as from_differences() of host/render/frame/picture_look.h.
 vec4 from_differences(vec4 d) {
   vec3 share = vec3(luminance(vec3(1, 0, 0)), luminance(vec3(0, 1, 0)), luminance(vec3(0, 0, 1)));
   float green = -(share.r * d.y + share.b * d.z) / share.g;

@@ -1,11 +1,11 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass mix: the composite, after docs/method/compositor.md.
+// Pass mix: the composite (docs/method/compositor.md).
 //   plate, learned      linear light; learned is the background's colour
-//   room                a texel a block: the background's colour around where none was learned
-//   backdrop            linear: what is seen instead of the background
+//   room                one texel a block: colour of the background around, where none was learned
+//   backdrop            linear: replaces the background
 //   matte               people, 0..1
-//   visible_w           of the visible real surface, 1/m, 0 unknown
+//   visible_w           visible real surface, 1/m, 0 unknown
 //   background_m        z in metres, 0 unknown
 //   light_map           0..1
 //   virtual_color       linear, premultiplied by the coverage in alpha; virtual_w 1/m
@@ -27,16 +27,16 @@ layout(binding = 9) uniform sampler2D backdrop;
 // keyed: there is a matte; shows_room: the real background is shown; open_walls: it hides nothing.
 uniform bool keyed, has_background, has_color, has_light, has_objects;
 uniform bool shows_room, open_walls, has_backdrop;
-layout(binding = 10) uniform sampler2D grain_noise;  // of sigma 1 over grain_sigmas, repeats
+layout(binding = 10) uniform sampler2D grain_noise;  // sigma 1 / grain_sigmas, repeats
 uniform bool has_grain;
 uniform ivec2 grain_offset;
-uniform vec3 grain_floor, grain_slope;  // variance of the noise over light
+uniform vec3 grain_floor, grain_slope;  // variance of the noise: floor + slope * light
 layout(location = 0) out vec4 color;
 layout(location = 1) out float mixed_m;
 layout(location = 2) out float segmented_m;
 layout(location = 3) out float layer;
 
-// The background's own colour under the light map; red negative where it is not known.
+// The background's own colour under the light map; red is negative if unknown.
 vec3 room_color(ivec2 at, float light) {
   if (has_color) {
     vec3 known = texelFetch(learned, at, 0).rgb;
@@ -47,13 +47,13 @@ vec3 room_color(ivec2 at, float light) {
   return around.a > 0.0 ? around.rgb * light : vec3(-1);
 }
 
-// A wrong matte takes no more background out of a pixel than is in it.
+// Share of the background: a wrong matte takes no more background out of a pixel than is in it.
 float room_share(vec3 real, vec3 empty, float a) {
   vec3 most = real / max(empty, 1e-10);
   return min(1.0 - a, min(most.r, min(most.g, most.b)));
 }
 
-// What a pixel holds of a person: colour times matte.
+// A person's contribution to a pixel: colour times matte.
 vec3 person_alone(vec3 real, vec3 empty, float a) {
   if (a == 0.0 || a >= 1.0) return a * real;
   return empty.r >= 0.0 ? real - room_share(real, empty, a) * empty : a * real;
@@ -89,7 +89,7 @@ void main() {
   shaded.rgb = shown_now(shaded.rgb / shaded.a) * shaded.a;
   if (has_grain) shaded.rgb = with_grain(shaded, at);
   float z = 1.0 / texelFetch(virtual_w, at, 0).r;
-  // A surface that the object touches does not hide it; unknown depth never does.
+  // A surface that the object touches does not hide it; unknown depth never hides.
   bool hides = shows_room && !open_walls;
   if (hides && behind > 0.0 && z > behind + contact_slack_m) return;
   bool person_before = a > 0.0 && measured > 0.0 && measured < z;

@@ -1,17 +1,17 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass motion: virtual colour blurred along its way while the plate was exposed.
+// Pass motion: blurs virtual colour by the camera's motion during the exposure.
 //   virtual_color, color  linear, premultiplied by the coverage in alpha
-//   virtual_w, w          1/m, 0 where not covered; where objects only pass: of the nearest
-//                         that the way meets
+//   virtual_w, w          1/m, 0 where not covered; where objects only pass: the nearest that
+//                         the path meets
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 layout(binding = 0) uniform sampler2D virtual_color;
 layout(binding = 1) uniform sampler2D virtual_w;
-// Of still points in the camera's axes, over the exposure.
+// Motion of still points in camera axes over the exposure (CameraMotion).
 uniform vec3 turn_rad, shift_m;
 uniform vec2 focal_px, center_px;
-uniform float nearest_w;  // of the virtual objects
+uniform float nearest_w;  // inverse depth of the nearest virtual object, 1/m
 layout(location = 0) out vec4 color;
 layout(location = 1) out float w;
 
@@ -29,7 +29,7 @@ vec4 color_between(vec2 at) {
   return mix(top, bottom, t.y);
 }
 
-// As motion_px() of host/render/frame/frame_motion.h.
+// The same as motion_px() of host/render/frame/frame_motion.h.
 vec2 motion_px(vec2 px, float w_of) {
   vec2 ray = (px - center_px) / focal_px;
   vec3 moves = cross(turn_rad, vec3(ray, 1.0)) + w_of * shift_m;

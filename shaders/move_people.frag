@@ -1,10 +1,10 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Before pass key: people's depth is moved to where they were at the time of the plate.
+// Moves people's depth to where they were at the time of the plate, before pass key.
 //   w         1/m, sign aside; 0 unknown
-//   limit_w   of the key
-//   shift_px  of each cell, whole pixels: what moves into the cell comes from so far
-//   moved_w   as w
+//   limit_w   limit of the key, 1/m
+//   shift_px  of each cell, whole pixels by which what moves into it is moved
+//   moved_w   in the format of w
 #include "common/precision.glsl"
 layout(binding = 0) uniform sampler2D w;
 layout(binding = 1) uniform sampler2D limit_w;

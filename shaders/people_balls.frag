@@ -1,7 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass shadow, a pixel a block: the ball that stands for the person in it, as thick as the
-// silhouette is wide, and not behind the back of the body around.
+// Pass shadow, one pixel a block: the ball that stands for the person in it, as thick as the
+// silhouette is wide, and no deeper than the back of the body around.
 //   people_w  of people_w.frag
 //   ball      centre in camera axes, metres, and radius; 0 for nobody
 #include "common/precision.glsl"
@@ -16,11 +16,12 @@ void main() {
   ball = vec4(0);
   if (w <= 0.0) return;
   float block_m = float(block_px) / (w * focal_px.x);
-  bool small = block_m < small_block_m;  // every second one has a ball
+  bool small = block_m < small_block_m;  // every second block has a ball
   if (small && ((at.x | at.y) & 1) != 0) return;
   int reach = clamp(int(ceil(people_radius_m / block_m + 0.5)), 1, most_ball_blocks);
   int nearest2 = reach * reach;
-  float behind = 0.0;  // the nearest part of the body around, no limb before it
+  // How far the nearest part of the same body lies before it; parts nearer by more are limbs.
+  float behind = 0.0;
   for (int y = max(0, at.y - reach); y <= min(last.y, at.y + reach); ++y)
     for (int x = max(0, at.x - reach); x <= min(last.x, at.x + reach); ++x) {
       float other = texelFetch(people_w, ivec2(x, y), 0).r;

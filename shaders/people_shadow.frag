@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass shadow: only depth is written (gl_convention.h: near / z), in a disc.
+// Pass shadow: writes only depth (gl_convention.h: near / z), inside a disc.
 #include "common/precision.glsl"
 void main() {
   vec2 from_center = 2.0 * gl_PointCoord - 1.0;

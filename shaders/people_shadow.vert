@@ -1,7 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass shadow: a disc for each ball of a person, in a lamp's map.
-//   balls  of people_balls.frag, a vertex each
+// Pass shadow: draws a disc for each ball of a person into a lamp's map.
+//   balls  of people_balls.frag, one vertex each
 #include "common/precision.glsl"
 layout(binding = 0) uniform sampler2D balls;
 uniform mat4 lamp_from_camera, clip_from_lamp;

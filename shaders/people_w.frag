@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass shadow, a pixel a block of block_px: where it shows people.
+// Pass shadow, one pixel a block of block_px: depth of its people.
 //   matte      people, 0..1
 //   visible_w  1/m, of the person where the matte is at least half; 0 unknown
 //   people_w   mean, 1/m; 0 where people fill less than half of the block

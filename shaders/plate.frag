@@ -1,9 +1,9 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass plate: the colour camera's picture through the lens into the view.
+// Pass plate: resamples the colour camera's picture through the lens into the view.
 //   plate     sRGB bytes, decoded before the filter; plate pixels, clamped to the edge
 //   plate_px  plate pixel of each view pixel, pixel centres at whole numbers
-//   gain      of each view pixel against the lens's vignetting, where has_gain
+//   gain      factor of each view pixel against the lens's vignetting, if has_gain
 //   color     linear light, opaque; the target encodes to sRGB again
 #include "common/precision.glsl"
 layout(binding = 0) uniform sampler2D plate;

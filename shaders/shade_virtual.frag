@@ -1,7 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: a pixel's virtual samples under the same lamps as the real scene: those of the nearest
-// surface as one, those of other surfaces as another one.
+// Pass light: shades a pixel's virtual samples under the lamps of the real scene: those of the
+// nearest surface together, and those of other surfaces together.
 //   albedo  linear, alpha 1 where covered; normal 0..1 for -1..1; depth nearest_m / z: a picture of
 //           size_px from origin_px on for each sample, virtual_samples along each axis
 //   color   linear, premultiplied by the coverage in alpha
@@ -18,16 +18,16 @@ layout(binding = 1) uniform sampler2D normals;
 layout(binding = 2) uniform sampler2D depth;
 layout(binding = 3) uniform sampler2D glosses;   // metallic, roughness, specular
 layout(binding = 4) uniform sampler2D emission;  // linear
-uniform bool glossy, emits;  // whether there are these two
+uniform bool glossy, emits;  // whether these two textures are there
 layout(std140, binding = 1) uniform PeopleLamps { Lamp people_lamps[most_lamps]; };
 layout(binding = 6) uniform sampler2DArray people_maps;
-uniform bool has_people;  // they cast shadows
+uniform bool has_people;  // people cast shadows
 uniform ivec2 origin_px, size_px;
 uniform float exposure;
 layout(location = 0) out vec4 color;
 layout(location = 1) out float w;
 
-// Mean of some samples of a pixel: all sums but `w`, of the nearest.
+// Mean of some samples of a pixel; members are sums, except `w`, that of the nearest sample.
 struct Samples {
   vec4 albedo;
   vec3 normal, gloss, emission;
@@ -54,7 +54,7 @@ Nearest nearest_sample(ivec2 at) {
   return nearest;
 }
 
-// Those of the nearest surface, or the other ones.
+// Collects the samples of the nearest surface, or the other ones.
 Samples samples_of(ivec2 at, Nearest nearest, bool of_nearest) {
   Samples sum = Samples(vec4(0), vec3(0), vec3(0), vec3(0), 0.0);
   for (int i = 0; i < virtual_samples * virtual_samples; ++i) {
@@ -74,7 +74,7 @@ Samples samples_of(ivec2 at, Nearest nearest, bool of_nearest) {
   return sum;
 }
 
-// Light that samples send to the camera, not yet exposed.
+// Light that samples send to the camera, not exposed.
 vec3 light_of(ivec2 at, Samples sum) {
   vec3 position_m = ray_of(at) / sum.w;
   vec3 normal = normalize(sum.normal - vec3(0, 0, 1e-6)), gloss = sum.gloss / sum.albedo.a;
@@ -110,7 +110,7 @@ void main() {
   Nearest nearest = nearest_sample(at);
   if (nearest.depth == 0.0) discard;
   color = vec4(0);
-  // A loop, so that the compiler has one copy of light_of().
+  // A loop keeps one copy of light_of() in the program.
   for (int k = 0; k < 2; ++k) {
     Samples sum = samples_of(at, nearest, k == 0);
     if (sum.albedo.a == 0.0) continue;

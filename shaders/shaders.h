@@ -18,10 +18,10 @@ struct Stage {
 /// All stages of the folder, sorted by name. Lives as long as the program.
 const std::vector<Stage>& all_stages();
 
-/// The stage of this name; nullptr where there is none.
+/// The stage with this name; nullptr if there is none.
 const Stage* find_stage(std::string_view name);
 
-/// A compiler's log with its "number:line" or "number(line)" replaced by "file:line".
+/// Rewrites "number:line" or "number(line)" in a compiler's log to "file:line".
 std::string name_files(std::string_view log, const std::vector<std::string_view>& files);
 
 }  // namespace mixrig::shaders

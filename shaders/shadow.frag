@@ -1,4 +1,4 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass shadow: only depth is written (gl_convention.h: near / z).
+// Pass shadow: writes only depth (gl_convention.h: near / z).
 void main() {}

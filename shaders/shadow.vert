@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass shadow: a caster's vertex into a lamp's map.
+// Pass shadow: transforms a caster's vertex into a lamp's map.
 //   position_m  object axes
 #include "common/precision.glsl"
 layout(location = 0) in vec3 position_m;

@@ -1,12 +1,12 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass virtual: albedo and normal of the nearest virtual surface, one of four samples a pixel.
+// Pass virtual: albedo and normal of the nearest virtual surface, at one of a pixel's four samples.
 //   texture_srgb  sRGB bytes, decoded before the filter, repeating
 //   albedo        linear, opaque (the target encodes to sRGB); what is not drawn stays 0
 //   normal        camera axes, 0..1 for -1..1
-//   gloss         metallic, roughness, specular; emission linear (encoded as albedo): only where the
+//   gloss         metallic, roughness, specular; emission linear (encoded as albedo): only if the
 //                 target has them
-//   The maps are those of MeshView, white (the normal map straight) where there is none.
+//   The maps are those of MeshView; a missing one is white (the normal map: straight).
 #include "common/precision.glsl"
 layout(binding = 0) uniform sampler2D texture_srgb;
 layout(binding = 1) uniform sampler2D gloss_map;
@@ -22,7 +22,7 @@ layout(location = 1) out vec4 normal;
 layout(location = 2) out vec4 gloss;
 layout(location = 3) out vec4 emission;
 
-// By the map: tangents along u and against v, as the triangle lies.
+// Normal by the normal map: tangents along u and against v of the triangle.
 vec3 bent(vec3 n) {
   vec3 e1 = dFdx(camera_position_m), e2 = dFdy(camera_position_m);
   vec2 d1 = dFdx(mesh_uv), d2 = dFdy(mesh_uv);

@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass virtual: a mesh's vertex into the window of one sample a pixel.
+// Pass virtual: transforms a mesh's vertex into the picture of one of a pixel's samples.
 //   position_m, normal  object axes; uv of the texture, v down
 #include "common/precision.glsl"
 layout(location = 0) in vec3 position_m;

@@ -1,10 +1,10 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass warp, second half: a vertex of the ToF mesh (ids as in cells.comp) into the view.
+// Pass warp, second half: transforms a vertex of the ToF mesh (ids as in cells.comp) into the view.
 //   tof_ray   (x/z, y/z) of a ToF pixel
-//   vertices  as correct_links.frag gives them
+//   vertices  from correct_links.frag
 //   raw_z_m   metres, as measured, 0 unknown
-//   plate     of the view, linear light; where by_plate
+//   plate     in the view, linear light; if by_plate
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/tof.glsl"
@@ -20,7 +20,7 @@ uniform bool mixed_pixels, by_plate;
 // are affine over the triangle in space, and their quotient is w in the view.
 out vec2 w_and_z;
 
-// Half a step of the ray towards the neighbour in direction d; none where that has no ray.
+// Half a step of the ray towards the neighbour in direction d; 0 if that has no ray.
 vec2 half_step(ivec2 at, vec2 ray, ivec2 d) {
   vec2 other = texelFetch(tof_ray, at + d, 0).xy;
   bool is_nan = (floatBitsToInt(other.x) & 0x7fffffff) > 0x7f800000;
@@ -33,7 +33,7 @@ vec2 place_px(vec2 ray, float w) {
   return q.z > 0.0 ? focal_px * q.xy / q.z : vec2(0.0);
 }
 
-// By how much the border is seen before or beside what is farther: half steps past the sample.
+// Extension past the sample, in half steps, by whether the view sees a gap or an overlap there.
 float by_sight(vec2 ray, vec2 half_step, float w, float other_w) {
   vec2 border = place_px(ray + half_step, w), out_px = border - place_px(ray, w);
   float opens_px = dot(place_px(ray + half_step, other_w) - border, out_px) /
@@ -42,7 +42,7 @@ float by_sight(vec2 ray, vec2 half_step, float w, float other_w) {
   return 1.0 + part * ((opens_px > 0.0 ? open_reach_now : shut_reach_now) - 1.0);
 }
 
-// Whether two neighbours along x or y lie on one surface.
+// Whether two neighbours along x or y are linked.
 bool linked(ivec2 at, ivec2 d) {
   ivec2 from = d.x + d.y > 0 ? at : at + d;
   if (any(lessThan(from, ivec2(0))) || any(greaterThanEqual(from, textureSize(vertices, 0))))
@@ -50,8 +50,8 @@ bool linked(ivec2 at, ivec2 d) {
   return (int(texelFetch(vertices, from, 0).a) & (d.x != 0 ? 1 : 2)) != 0;
 }
 
-// The nearer surface's share of a pixel at a step, by what it measured: `pure` where it saw one
-// surface, or what is neither of them nor between.
+// Share of the nearer surface in a pixel at a step, from its measurement: `pure` if it saw one
+// surface, or a depth that is neither of them nor between.
 float near_share(float z, float near, float far, float pure) {
   if (z <= 0.0) return hole_share;
   float by_phase = (far - z) / (far - near);
@@ -63,18 +63,18 @@ float near_share(float z, float near, float far, float pure) {
   return abs(share - pure) < mixed_share ? pure : share;
 }
 
-// By how much the nearer surface's border lies farther out than midway, in half steps.
+// By how much the border of the nearer surface lies farther out than midway, in half steps.
 float border_shift(float near, float far, float near_z, float far_z) {
   if (far - near < share_part_of_depth * near) return 0.0;
   return 2.0 * (near_share(near_z, near, far, 1.0) + near_share(far_z, near, far, 0.0) - 1.0);
 }
 
-// Roots of linear light where the surface of w is `ray` in the view.
+// Roots of the plate's linear light where the surface of w is seen along `ray`.
 vec3 root_of_plate(vec2 ray, float w) {
   vec3 q = (camera_from_tof * vec4(ray, 1.0, w)).xyz;
   ivec2 last = textureSize(plate, 0) - 1;
   vec2 px = clamp(focal_px * q.xy / max(q.z, 1e-6) + center_px, vec2(0.0), vec2(last));
-  // Bilinear in full precision, which a sampler's is not.
+  // Bilinear in full precision, which a sampler does not offer.
   ivec2 at = ivec2(px), beyond = min(at + 1, last);
   vec2 part = px - vec2(at);
   vec3 upper = mix(texelFetch(plate, at, 0).rgb, texelFetch(plate, ivec2(beyond.x, at.y), 0).rgb,
@@ -84,9 +84,9 @@ vec3 root_of_plate(vec2 ray, float w) {
   return sqrt(mix(upper, lower, part.y));
 }
 
-// Where the plate says that the border of the nearer sample lies, half steps past it, and how sure
-// that is. Each side's colour is the mean of two samples at its end. Of each sample the share of
-// the nearer side follows from both; their sum is the place of the border.
+// Place of the nearer sample's border by the plate's colours, half steps past it, and its
+// confidence. Each side's colour is the mean of two samples at its end; the share of the nearer
+// side in each sample follows from both, and the sum of the shares is the border's place.
 vec2 color_border(vec2 ray, vec2 half_step, float w) {
   vec3 colors[border_samples];
   for (int i = 0; i < border_samples; ++i)
@@ -110,8 +110,8 @@ vec2 color_border(vec2 ray, vec2 half_step, float w) {
   return vec2(0.5 * sum - 0.75, sure);
 }
 
-// How many half steps the surface of pixel `at` reaches towards its neighbour in direction d, which
-// may lie outside of the picture.
+// Half steps by which the surface of pixel `at` is extended towards its neighbour in direction d,
+// which may lie outside the picture.
 float reach(ivec2 at, ivec2 d, float w, vec2 ray, vec2 half_step) {
   if (d == ivec2(0)) return 0.0;
   ivec2 beside = at + d;
@@ -121,7 +121,7 @@ float reach(ivec2 at, ivec2 d, float w, vec2 ray, vec2 half_step) {
   float other_w = value_at(vertices, beside);
   float sight = other_w >= w ? 1.0 : by_sight(ray, half_step, w, other_w);
   if (!mixed_pixels) return sight;
-  // Depths by the samples behind, which saw one surface.
+  // Depths by the samples behind, which saw one surface each.
   float own_z = 1.0 / (linked(at, -d) ? value_at(vertices, at - d) : w);
   float other_z = 0.0, shift = 0.0;
   bool near = true;

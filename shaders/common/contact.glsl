@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What virtual objects hide of the ambient light, and send instead (contact_shade.h). Camera axes,
-// metres. Needs common/constants.glsl.
-// HiddenShares: x, y, z of `up` in the lower half of the rows, of `down` in the upper half; the
-// grids of the objects lie one behind the other.
+// Ambient light that virtual objects hide, and light that they send instead (contact_shade.h).
+// Camera axes, metres. Needs common/constants.glsl.
+// The texture holds HiddenShares: x, y, z of `up` in the lower half of the rows, of `down` in the
+// upper half; the grids of the objects lie one behind the other.
 layout(binding = 8) uniform sampler3D contact_hidden;
 uniform int contact_count;
 uniform mat4 object_from_camera[most_contacts];
@@ -11,8 +11,8 @@ uniform float contact_reach_m[most_contacts];
 uniform vec3 contact_sent[6 * most_contacts];
 
 struct Contact {
-  vec3 sent;   // light instead of what is hidden
-  float open;  // share of the ambient light that is left
+  vec3 sent;   // light that the objects send
+  float open;  // remaining share of the ambient light
 };
 
 vec3 hidden_shares(int i, int half_of, vec3 node) {
@@ -21,7 +21,7 @@ vec3 hidden_shares(int i, int half_of, vec3 node) {
   return texture(contact_hidden, (at + 0.5) / size).rgb;
 }
 
-// Light of the sides that face a point `off` the box.
+// Light of the box's sides that face a point `off` the box.
 vec3 light_sent(int i, vec3 off) {
   float all = dot(off, off);
   vec3 sum = vec3(0);
@@ -34,7 +34,8 @@ vec3 light_sent(int i, vec3 off) {
   return sum;
 }
 
-// Of a point; `lift` is 1 of a virtual surface, which is lifted off itself, 0 of a real one.
+// Contact light at a point. `lift` is 1 for a virtual surface, which is lifted off itself, and 0
+// for a real one.
 Contact contact_at(vec3 position_m, vec3 normal, float lift) {
   Contact sum = Contact(vec3(0), 1.0);
   for (int i = 0; i < contact_count; ++i) {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What surfaces mirror of lamps and room (glTF 2.0, appendix B), and ambient light by direction.
-// Camera axes, light linear; terms as AmbientTerms. Needs common/constants.glsl and common/lamps.glsl.
+// Reflections of lamps and room (glTF 2.0, appendix B), and ambient light by direction. Camera
+// axes, linear light; terms as in AmbientTerms. Needs common/constants.glsl and common/lamps.glsl.
 uniform bool by_direction;
 uniform vec3 ambient_terms[ambient_term_count];
 uniform mat3 world_from_camera;
 uniform float lobe_losses[9], lobe_grazings[6];
 
-// A surface shows base (1 - metallic) (diffuse - specular lost) + f0 straight + f90 grazing.
+// The colour of a surface is base (1 - metallic) (diffuse - specular lost) + f0 straight + f90
+// grazing.
 struct Shading {
   vec3 diffuse, straight, grazing, lost;
 };
@@ -15,7 +16,7 @@ struct Lobe {
   float alpha, across;
 };
 
-// Ambient light from a direction, its bands weakened.
+// Ambient light from a direction, with its bands scaled.
 vec3 ambient_from(vec3 direction, float band1, float band2) {
   if (!by_direction) return ambient;
   vec3 d = world_from_camera * direction;
@@ -33,7 +34,7 @@ Lobe lobe_of(vec3 position_m, vec3 normal, float roughness) {
   return Lobe(normal, to_eye, 2.0 * side * normal - to_eye, r * r, max(side, 1e-3));
 }
 
-// Adds what is mirrored of a lamp that gives `light` to the point.
+// Adds the reflection of a lamp that gives `light` to the point.
 void add_lamp_gloss(int i, vec3 position_m, Lobe lobe, vec3 light, inout Shading sum) {
   vec3 to_lamp = lamps[i].position_m.xyz - position_m;
   float away = max(length(to_lamp), 1e-6), radius = lamps[i].radius_m;
@@ -52,7 +53,7 @@ void add_lamp_gloss(int i, vec3 position_m, Lobe lobe, vec3 light, inout Shading
   sum.lost += light * (dielectric + (1.0 - dielectric) * fresnel);
 }
 
-// Sums of host/render/contract/lobe.h.
+// Polynomials of host/render/contract/lobe.h.
 float lobe_loss(int i, float c) {
   return lobe_losses[i] + c * (lobe_losses[i + 1] + c * lobe_losses[i + 2]);
 }
@@ -60,7 +61,7 @@ float lobe_edge(int i, float r) {
   return lobe_grazings[i] + r * (lobe_grazings[i + 1] + r * lobe_grazings[i + 2]);
 }
 
-// Adds what is mirrored of the ambient light.
+// Adds the reflected ambient light.
 void add_ambient_gloss(Lobe lobe, inout Shading sum) {
   vec3 seen = ambient_from(lobe.mirrored, 1.0 + (diffuse_band1 - 1.0) * lobe.alpha,
                            1.0 + (diffuse_band2 - 1.0) * lobe.alpha);

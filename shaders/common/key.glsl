@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass key, what its steps share. A state is render::PixelState in a byte; blocks are
+// Pass key: definitions shared by its shaders. A state is render::PixelState in a byte; blocks are
 // block_px wide. Needs common/constants.glsl.
 const int unknown = 0, background = 1, foreground = 2, doubt = 3;
 
-// A colour vote, and whether people's colours cannot explain the pixel, as key_votes.frag has them.
+// Stores a colour vote, and whether people's colours cannot explain the pixel, in one number
+// (key_votes.frag).
 float stored_vote(float vote, bool other) { return other ? vote - 64.0 : vote; }
 vec2 vote_and_other(float stored) {
   return stored < -32.0 ? vec2(stored + 64.0, 1) : vec2(stored, 0);
@@ -11,24 +12,24 @@ vec2 vote_and_other(float stored) {
 
 int to_state(float stored) { return int(stored * 255.0 + 0.5); }
 
-// Three textures, a texel a block.
+// Sums over a block, held by three textures with one texel a block.
 struct Block {
-  float foreground;   // pixels
-  float inner;        // of them, those not drawn by a cut cell
-  float w_sum;        // over foreground
-  bool others;        // any pixel that is not foreground
-  bool doubt;         // any pixel measured where the background has no depth
-  bool dropped;       // its foreground was a speckle
-  float mirrored;     // pixels that show what a mirror shows
-  bool by_mirror;     // what is unknown is background
-  vec3 color_sum;     // linear, over inner
-  float square_sum;   // of all channels' squares, over inner
-  float room;         // pixels of the background; where its colour was not learned
-  vec3 room_sum;      // linear, over them
+  float foreground;  // number of pixels
+  float inner;       // number of those not drawn by a cut cell
+  float w_sum;       // over foreground
+  bool others;       // some pixel is not foreground
+  bool doubt;        // some pixel is measured where the background has no depth
+  bool dropped;      // its foreground was a speckle
+  float mirrored;    // number of pixels with a mirror's depth
+  bool by_mirror;    // unknown pixels are background
+  vec3 color_sum;    // linear, over inner
+  float square_sum;  // squares of all channels, over inner
+  float room;        // number of background pixels, if its colour was not learned
+  vec3 room_sum;     // linear, over those pixels
   float room_square_sum;
 };
 
-// Of the counts of blocks.
+// Bit in the counts texture that stores by_mirror.
 int by_mirror_flag() { return 1 << 17; }
 
 const Block empty_block =

@@ -4,17 +4,18 @@
 // common/contact.glsl.
 struct Lamp {
   mat4 lamp_from_camera;
-  vec4 position_m, direction, intensity;  // direction 0: to all sides
+  vec4 position_m, direction, intensity;  // direction 0: shines to all sides
   vec4 panel_u, panel_v;                  // passes.h
   float radius_m, map_focal_texel, map_center_texel, casters_near_m;
-  ivec4 map_size_texel;                   // x; 0 without map; y: layer of room_share, or -1; z: part_of; w: is_part
+  // X: size, 0 without map; y: layer of room_share, or -1; z: part_of; w: is_part.
+  ivec4 map_size_texel;
 };
 layout(std140, binding = 0) uniform Lamps {
   Lamp lamps[most_lamps];
-  mat4 cell_from_camera;  // of room_share
+  mat4 cell_from_camera;  // for room_share
 };
 layout(binding = 7) uniform sampler2DArray shadow_maps;
-// What the real room leaves of a lamp (room_shade.h): grids along z, one a layer, trilinear.
+// Share of a lamp that the real room leaves (room_shade.h): grids along z, one a layer, trilinear.
 layout(binding = 5) uniform sampler3D room_share;
 uniform ivec3 room_cells;
 uniform float room_lift_m;
@@ -23,18 +24,18 @@ uniform vec3 ambient;
 uniform vec2 blocker_taps[blocker_tap_count], shadow_taps[shadow_tap_count];
 uniform vec2 part_blocker_taps[part_blocker_tap_count], part_shadow_taps[part_shadow_tap_count];
 
-// Inverse lamp depth of the nearest texel of map `layer`, 0 outside.
+// Inverse lamp depth of the nearest texel of map `layer`; 0 outside.
 float texel(Lamp lamp, sampler2DArray maps, int layer, vec2 at) {
   ivec2 t = ivec2(floor(at + 0.5));
   bool inside = min(t.x, t.y) >= 0 && max(t.x, t.y) < lamp.map_size_texel.x;
   return inside ? texelFetch(maps, ivec3(t, layer), 0).r / nearest_m : 0.0;
 }
 
-// Inverse depth that hides a point at a tap: more than its own, w, and more than that of the plane
-// of its surface there, which grows by `slope` a texel.
+// Inverse depth above which a tap hides a point: the larger of the point's own, w, and that of its
+// surface's plane at the tap, which changes by `slope` a texel.
 float least_w(float w, vec2 slope, vec2 tap) { return w + max(dot(slope, tap), 0.0); }
 
-// Mean lamp depth of what lies before a point within radius texels; 0 for nothing.
+// Mean lamp depth of what lies before a point within the radius; 0 if nothing does.
 float blocker_depth_m(Lamp lamp, sampler2DArray maps, int layer, vec2 center, mat2 panel, float w,
                       vec2 slope) {
   float sum = 0.0, count = 0.0;
@@ -49,26 +50,26 @@ float blocker_depth_m(Lamp lamp, sampler2DArray maps, int layer, vec2 center, ma
 }
 
 // Share of a lamp that a point sees past map `layer` (percentage-closer soft shadows, Fernando
-// 2005). The normal is 0 of a surface that is not in the map, so that it cannot shade itself.
+// 2005). The normal is 0 for a surface that is not in the map and cannot shade itself.
 float visibility_past(Lamp lamp, sampler2DArray maps, int layer, vec3 position_m, vec3 normal) {
   if (lamp.map_size_texel.x == 0) return 1.0;
   float focal = lamp.map_focal_texel, near_m = lamp.casters_near_m;
   float unmoved_z = (lamp.lamp_from_camera * vec4(position_m, 1.0)).z;
   if (unmoved_z <= near_m) return 1.0;
-  // A texel spans z / focal metres: lift_texels of them lift the point off its own surface.
+  // A texel spans z / focal metres; lifting by lift_texels moves the point off its own surface.
   vec3 lifted_m = position_m + lift_texels * unmoved_z / focal * normal;
   vec3 p = (lamp.lamp_from_camera * vec4(lifted_m, 1.0)).xyz;
   if (p.z <= near_m) return 1.0;
   vec2 center = p.xy * (focal / p.z) + lamp.map_center_texel;
   float w = 1.0 / p.z, reach = focal * lamp.radius_m;
-  // A point of the panel that is nearer than its middle seems to lie aside of it.
+  // A point of the panel that is nearer than its centre appears shifted aside.
   vec2 ray = p.xy / p.z;
   mat2 panel = mat2(lamp.panel_u.xy - lamp.panel_u.z * ray, lamp.panel_v.xy - lamp.panel_v.z * ray);
   float search = max(reach * (1.0 / near_m - w), least_radius_texel);
   vec2 beside = search * (abs(panel[0]) + abs(panel[1]));
   vec2 last = float(lamp.map_size_texel.x - 1) + beside;
   if (any(lessThanEqual(center, -beside)) || any(greaterThanEqual(center, last))) return 1.0;
-  // Of the plane of the surface: inverse depth is affine over it.
+  // Slope of the surface's plane: inverse depth is affine over it.
   vec3 n = mat3(lamp.lamp_from_camera) * normal;
   vec2 slope = n.xy * (w / (focal * min(dot(n, vec3(ray, 1)), steepest_cosine)));
   float blocker_m = blocker_depth_m(lamp, maps, layer, center, search * panel, w, slope);
@@ -87,7 +88,7 @@ float visibility(int i, vec3 position_m, vec3 normal) {
   return visibility_past(lamps[i], shadow_maps, i, position_m, normal);
 }
 
-// Share of a lamp that a point sees past the real room.
+// Share of a lamp that is visible past the real room.
 float seen_in_room(int i, vec3 position_m, vec3 normal) {
   int layer = lamps[i].map_size_texel.y;
   if (layer < 0) return 1.0;
@@ -106,14 +107,14 @@ vec3 irradiance(int i, vec3 position_m, vec3 normal) {
   return lamps[i].intensity.rgb * (max(0.0, dot(normal, direction)) * emitter / distance2);
 }
 
-// Ambient light of the real scene past the objects, luminance.
+// Luminance of the real scene's ambient light that objects leave.
 float ambient_past_objects(vec3 position_m, vec3 normal) {
   if (contact_count == 0) return luminance(ambient);
   Contact contact = contact_at(position_m, normal, 0.0);
   return contact.open * luminance(ambient) + luminance(contact.sent);
 }
 
-// Light with the virtual objects over light without.
+// Luminance with the virtual objects over luminance without them.
 float light_ratio(vec3 position_m, vec3 normal) {
   float with_objects = ambient_past_objects(position_m, normal), without = luminance(ambient);
   for (int i = 0; i < lamp_count; ++i) {

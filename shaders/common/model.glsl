@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixels of the view in the faces of the background model, which lie below one another in its
-// pictures. Needs common/view.glsl and common/constants.glsl.
+// Positions of view pixels in the faces of the background model, which lie one below the other in
+// its pictures. Needs common/view.glsl and common/constants.glsl.
 uniform mat4 face_from_camera[most_faces];
 uniform int faces, face_rows;
-uniform bool several;  // models: what this one did not see is left to the others
+uniform bool several;  // there are several models: what this one did not see is left to the others
 uniform vec2 model_focal_px, model_center_px;
 
 struct ModelPlace {
   vec2 px;        // in the pictures
   ivec2 nearest;
-  float z_m;      // in axes of the face
-  bool inside;    // of the face
-  float score;    // of models, the larger the better it saw the surface, 0 to 1
+  float z_m;    // in axes of the face
+  bool inside;  // of the face
+  float score;  // 0 to 1, larger for the model that saw the surface better
 };
 
 mat3 first_face_rotation() { return mat3(face_from_camera[0]); }
 
-// Of the surface at inverse depth w > 0, in the face whose axis is nearest; w = 0 is nowhere.
+// Place of the surface at inverse depth w > 0, in the face whose axis is nearest; none for w = 0.
 ModelPlace place_in_model(ivec2 at, float w, ivec2 model_size) {
   vec3 ray = ray_of(at), q = vec3(0);
   int face = 0;
@@ -34,7 +34,7 @@ ModelPlace place_in_model(ivec2 at, float w, ivec2 model_size) {
   return ModelPlace(px, inside ? ivec2(px + 0.5) : ivec2(0), q.z / w, inside, score / (1.0 + score));
 }
 
-// Whether the model saw the surface of a place, not another one before it.
+// Whether the model saw the surface of a place and not another one before it.
 bool is_seen(ModelPlace place, float seen_w) {
   return place.inside && seen_w > 0.0 && abs(1.0 - place.z_m * seen_w) <= hidden_part;
 }

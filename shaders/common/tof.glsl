@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass correct, what its sweeps share (docs/method/compositor.md). Depths are z in metres, 0 unknown.
-// Needs common/constants.glsl.
+// Pass correct: functions shared by its steps (docs/method/compositor.md). Depths are z in metres, 0
+// unknown. Needs common/constants.glsl.
 const ivec2 axes[4] = ivec2[](ivec2(1, 0), ivec2(0, 1), ivec2(1, 1), ivec2(-1, 1));
 
-// A value of the grid; 0, which is unknown, outside the picture.
+// A value of the grid; 0 (unknown) outside the picture.
 float value_at(sampler2D grid, ivec2 at) {
   ivec2 size = textureSize(grid, 0);
   bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, size));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the camera shows now of light that it showed otherwise when the background was learned:
-// render::ToneCurve. Needs common/constants.glsl.
+// The camera's tones relative to those when the background was learned (render::ToneCurve). Needs
+// common/constants.glsl.
 uniform vec3 gain;        // of most of the picture
-uniform bool tone_bends;  // else all slopes are the gain
+uniform bool tone_bends;  // false: every slope equals the gain
 uniform vec3 tone_slope[tone_pieces];
 
 vec3 shown_now(vec3 light) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records composites of a run while it goes on, from a start to a stop.
+// Records composites during a run, from a start to a stop.
 #pragma once
 
 #include <atomic>
@@ -20,27 +20,27 @@
 
 namespace mixrig::session {
 
-/// Each recording is a folder FOLDER/NAME, whole or not there: composite/ (a take, lossless video),
-/// frames.csv, recording.toml with the notes. A thread of its own, of low priority, encodes
-/// and writes; up to 256 MiB of frames wait for it, so that a machine that is busy for some seconds
-/// loses none. A fault of a recording ends it and not the run; it is told in state(). Any threads.
+/// Each recording is a folder FOLDER/NAME, written whole or not at all: composite/ (a take,
+/// lossless video), frames.csv, recording.toml with the notes. A low-priority thread encodes and
+/// writes; up to 256 MiB of frames wait for it, so that a machine that is busy for some seconds
+/// loses none. An error ends the recording, not the run, and is reported by state(). Thread-safe.
 class CompositeRecorder {
  public:
-  /// `session` outlives it.
+  /// `session` must outlive it.
   CompositeRecorder(const Session& session, std::filesystem::path folder);
   ~CompositeRecorder();
   CompositeRecorder(const CompositeRecorder&) = delete;
   CompositeRecorder& operator=(const CompositeRecorder&) = delete;
 
-  /// An empty name: the first of "take 1", "take 2", ... that is free. Errors: kUsage where the
-  /// name is taken, kData while another one runs; kIo.
+  /// Starts a recording. An empty name: the first free one of "take 1", "take 2", ... Errors:
+  /// kUsage if the name is taken, kData while a recording runs; kIo.
   Result<void> start(const std::string& name, const std::string& notes);
-  /// Returns when all frames are written. Errors: kData where none runs; kIo.
+  /// Ends the recording; returns when all frames are written. Errors: kData if none runs; kIo.
   Result<void> stop();
-  /// A frame, while one runs: copies what is recorded, about a millisecond. Frames that find no
-  /// room, and those that are not given, by their numbers, count as lost. One thread.
+  /// Records a copy of a frame, if a recording runs; takes about a millisecond. Frames that find no
+  /// memory, and frame numbers that are skipped, count as lost. For one thread.
   void write(const output::CompositePtr& composite);
-  /// These two never wait for a frame that is being written.
+  /// is_on() and state() never wait for a frame being written.
   bool is_on() const { return on_; }
   page::RecordingState state() const;
   const std::filesystem::path& folder() const { return folder_; }
@@ -60,17 +60,18 @@ class CompositeRecorder {
   const std::filesystem::path folder_;
   std::mutex mutex_;  ///< one start or stop at a time; guards path_ and files_ while no thread runs
   std::optional<PartialPath> path_;
-  std::unique_ptr<output::FilesSink> files_;  ///< of the thread while it runs; null: no recording
+  /// Used by the thread while it runs; null: no recording.
+  std::unique_ptr<output::FilesSink> files_;
   std::thread thread_;
   std::atomic<bool> on_ = false;
   Pool<output::Composite> copies_;
 
-  std::mutex queue_mutex_;  ///< guards what follows
+  std::mutex queue_mutex_;  ///< guards the members below
   std::condition_variable wake_;
   std::deque<output::CompositePtr> queue_;
   std::size_t most_waiting_ = 0;
   bool ends_ = true;
-  int last_number_ = 0;  ///< of the run's frames; 0: none yet
+  int last_number_ = 0;  ///< number of the last frame; 0: none yet
   double first_s_ = 0;
 
   mutable std::mutex state_mutex_;  ///< guards state_; the last to be taken

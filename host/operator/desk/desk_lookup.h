@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a desk looks up for a change, or why it cannot be made.
+// Looks up what a change needs, or says why it cannot be made.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace mixrig::session {
 
-/// Errors: kNotFound, with the names that there are.
+/// Finds an entry by name. Errors: kNotFound, with the names that exist.
 template <typename Named>
 Result<const Named*> named(const std::vector<Named>& all, const std::string& name,
                            const char* kind) {
@@ -23,7 +23,7 @@ Result<const Named*> named(const std::vector<Named>& all, const std::string& nam
                                          "\": it has " + (names.empty() ? "none" : names)};
 }
 
-/// Errors: kData where there is none.
+/// Returns `from`. Errors: kData if it is null.
 inline Result<const SeenFrom*> seen(const SeenFrom* from) {
   if (from != nullptr) return from;
   return Error{ErrorCode::kData, "no frame was composited yet: try again"};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run as the operator's page sees it.
+// Operator controls of a run, for the page.
 #pragma once
 
 #include <atomic>
@@ -20,12 +20,12 @@
 namespace mixrig::session {
 
 struct DeskOptions {
-  std::filesystem::path takes;  ///< folder that recordings go to
-  bool live = false;            ///< devices; else a recording that is played
+  std::filesystem::path takes;  ///< folder for recordings
+  bool live = false;            ///< the source is devices; else a recording
 };
 
-/// Knows of the run what its sinks are given. `session`, `orders` and `clock` outlive it; it
-/// outlives its sink. RunState::recording is that of its recorder, whoever changes it.
+/// Learns of the run through its sink. `session`, `orders` and `clock` must outlive it; it must
+/// outlive its sink. RunState::recording reflects its recorder, whoever starts or stops it.
 class OperatorDesk final : public page::Operator {
  public:
   OperatorDesk(const Session& session, std::shared_ptr<SceneFollower> follower,
@@ -34,14 +34,14 @@ class OperatorDesk final : public page::Operator {
   page::State state() const override;
   Result<void> apply(const page::Command& command) override;
 
-  /// For the run: sees every frame, and records.
+  /// A sink of the run that sees and records every frame.
   std::unique_ptr<output::CompositeSink> make_sink();
-  /// For that sink.
+  /// wanted() and see() are called by that sink.
   render::OutputMask wanted() const;
   void see(const output::CompositePtr& composite);
 
  private:
-  /// Of the last frame, and of the last second.
+  /// Numbers of the last frame and of the last second.
   struct Frames {
     std::uint64_t count = 0;
     int number = 0;
@@ -68,9 +68,9 @@ class OperatorDesk final : public page::Operator {
   const DeskOptions options_;
   SceneDesk scene_;
   CompositeRecorder recorder_;
-  std::mutex record_mutex_;                             ///< while a recording begins or ends
-  std::atomic<bool> zoomed_ = false, focused_ = false;  ///< in this run
-  mutable std::mutex mutex_;                            ///< guards what follows
+  std::mutex record_mutex_;                             ///< held while a recording begins or ends
+  std::atomic<bool> zoomed_ = false, focused_ = false;  ///< moved in this run
+  mutable std::mutex mutex_;                            ///< guards the members below
   Frames frames_;
   RoomSweep sweep_;  ///< last: its thread uses the session
 };

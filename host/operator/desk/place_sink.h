@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sets objects where the viewfinder was clicked, as a sink.
+// Sink that places objects where the viewfinder was clicked.
 #pragma once
 
 #include <memory>
@@ -11,16 +11,16 @@
 
 namespace mixrig::session {
 
-/// Obeys output::PlaceObject with the view of the next frame; the scene file is written, and the
-/// run follows it. Errors of a placement are logged and told by RunState::placed, and are none of
-/// the sink. `session` and `orders` outlive it.
+/// Handles output::PlaceObject with the view of the next frame: writes the scene file, which the
+/// run follows. Errors of a placement are logged and reported by RunState::placed; they do not fail
+/// the sink. `session` and `orders` must outlive it.
 class PlaceSink final : public output::CompositeSink {
  public:
   PlaceSink(const Session& session, std::shared_ptr<SceneFollower> follower,
             output::RunOrders& orders);
 
   std::string_view name() const override { return "place"; }
-  /// Only frames that an object is to be placed with.
+  /// Wants only frames with which an object is to be placed.
   render::OutputMask wanted(int number) const override;
   Result<void> write(const output::CompositePtr& composite) override;
   Result<void> finish() override { return {}; }

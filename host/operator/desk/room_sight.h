@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the sight through a place of the picture ends: on the room's surface, or at a level.
+// Intersects the sight through a place in the picture with the room's surface, or with a level.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ namespace mixrig::session {
 
 struct Session;
 
-/// What the last frame was seen with.
+/// View and pose of the last frame.
 struct SeenFrom {
   geometry::Pose world_from_view;
   geometry::Pinhole view;
@@ -25,7 +25,7 @@ struct SeenFrom {
 /// height). Errors: kData where the sight does not reach it within 100 m.
 Result<Eigen::Vector3d> point_on_level(const SeenFrom& from, const Eigen::Vector2d& at,
                                        double level_m);
-/// Where a point of the world is in the picture; none behind the camera or outside.
+/// Place of a world point in the picture, 0..1; nullopt behind the camera or outside.
 std::optional<Eigen::Vector2d> place_in_picture(const SeenFrom& from,
                                                 const Eigen::Vector3d& p_world);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scan of the room by the head of a rig while the run goes on.
+// Scans the room with the pan-tilt unit of a rig during a run.
 #pragma once
 
 #include <atomic>
@@ -19,10 +19,10 @@ namespace mixrig::session {
 /// scene's file, which counts at the next start. Rooms lie in rooms/ beside the scene. Any threads.
 class RoomSweep {
  public:
-  /// All outlive it; `scene` is that of the session.
+  /// All arguments must outlive it; `scene` must belong to the session.
   RoomSweep(const Session& session, SceneDesk& scene, Clock& clock)
       : session_(session), scene_(scene), clock_(clock) {}
-  /// Ends a sweep; a room that is being modelled is waited for.
+  /// Ends a sweep; waits for a room that is being modelled.
   ~RoomSweep();
   RoomSweep(const RoomSweep&) = delete;
   RoomSweep& operator=(const RoomSweep&) = delete;
@@ -30,7 +30,7 @@ class RoomSweep {
   /// Errors: kUnsupported where this run cannot, with the reason; kData while one is at work;
   /// kUsage where the room is there already. What the sweep itself meets is told by state().
   Result<void> start(const page::StartSweep& wanted);
-  /// Ends it, and its views are removed. Errors: kData where no head is being turned.
+  /// Ends the sweep and removes its views. Errors: kData if no head is being turned.
   Result<void> cancel();
   page::SweepState state() const;
 

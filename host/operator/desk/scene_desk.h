@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An operator's changes of a scene: shown at once, and written into scene.toml.
+// Applies an operator's changes to a scene: shown at once, and written into scene.toml.
 #pragma once
 
 #include <map>
@@ -23,7 +23,7 @@ class SceneDesk {
  public:
   SceneDesk(const Session& session, std::shared_ptr<SceneFollower> follower);
 
-  /// Errors: those of page::Operator::apply(). `from` is null before the first frame.
+  /// `from`: null before the first frame. Errors: those of page::Operator::apply().
   Result<void> apply(const page::SetObject& set, const SeenFrom* from);
   Result<void> apply(const page::AddObject& add, const SeenFrom* from);
   Result<void> apply(const page::RemoveObject& remove);
@@ -31,23 +31,23 @@ class SceneDesk {
   Result<void> apply(const page::AddLamp& add, const SeenFrom* from);
   Result<void> apply(const page::RemoveLamp& remove);
   Result<void> apply(const page::SetFocus& set);
-  /// Of the next start: a path as scene.toml has it, relative to the file.
+  /// Sets the background of the next start: a path as in scene.toml, relative to the file.
   Result<void> use_background(const std::filesystem::path& model);
   Result<void> save();
 
   std::vector<page::ObjectState> objects(const SeenFrom* from) const;
   std::vector<page::LampState> lamps(const SeenFrom* from) const;
-  /// As the newest version of the file has it.
+  /// Focus settings in the newest version of the file.
   std::optional<scene::FocusSettings> focus() const;
 
  private:
-  /// Previews, of a version of the scene.
+  /// Previews, and the version of the scene that they belong to.
   struct Previews {
     EditedScenePtr of;
     std::map<std::string, geometry::Pose> poses;
     std::map<std::string, Eigen::Vector3f> lamps;
   };
-  /// The scene as the file has it now, without models.
+  /// The scene as it is in the file now, without models.
   struct Written {
     std::string text;
     scene::Scene scene;
@@ -68,7 +68,7 @@ class SceneDesk {
   std::shared_ptr<SceneFollower> follower_;
   mutable std::mutex mutex_;  ///< guards previews_, dark_
   Previews previews_;
-  std::map<std::string, Eigen::Vector3f> dark_;  ///< what lamps had that were switched off
+  std::map<std::string, Eigen::Vector3f> dark_;  ///< intensities of lamps that were switched off
 };
 
 }  // namespace mixrig::session

@@ -11,7 +11,7 @@
 
 namespace mixrig::page {
 
-/// What is shown, and to how many.
+/// Which view is shown, whether it is frozen, and the number of clients.
 using output::View;
 struct PageState {
   View view = View::kComposite;

@@ -31,7 +31,7 @@ class TextSocket : public std::enable_shared_from_this<TextSocket> {
  protected:
   virtual void on_open() = 0;
   virtual void on_message(const std::string& message) = 0;
-  /// The other side has gone, or close() was called. Once.
+  /// Called once, when the other side has gone or close() was called.
   virtual void on_end() {}
   boost::asio::ip::address local_address() const;
   bool writes() const { return !queue_.empty(); }
@@ -45,7 +45,7 @@ class TextSocket : public std::enable_shared_from_this<TextSocket> {
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
   boost::beast::flat_buffer buffer_;
   Request request_;
-  std::deque<std::string> queue_;  ///< the first is being written
+  std::deque<std::string> queue_;  ///< the first one is being written
 };
 
 }  // namespace mixrig::page

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texts as UDP datagrams.
+// Sends texts as UDP datagrams.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,8 @@
 
 namespace mixrig::stream {
 
-/// Never waits: what the system does not take at once is dropped and counted. One thread.
+/// Never waits: a datagram that the system does not accept at once is dropped and counted. For one
+/// thread.
 class DatagramSender {
  public:
   /// `address`: "HOST:PORT", an IPv4 address or "localhost". Errors: kUsage, kDevice.

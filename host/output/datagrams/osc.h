@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Open Sound Control 1.0: messages for show control, one in a datagram. Written here; osc_reader.h
-// reads them.
+// Writes messages of Open Sound Control 1.0 for show control, one a datagram. osc_reader.h reads
+// them.
 #pragma once
 
 #include <cstdint>
@@ -9,24 +9,24 @@
 
 namespace mixrig::stream {
 
-/// An address and arguments. Without a time tag: it is of now.
+/// An address and arguments, without a time tag: it takes effect at once.
 class OscMessage {
  public:
-  /// Precondition: parts of the address are names by osc_name().
+  /// Precondition: parts of the address are made by osc_name().
   explicit OscMessage(std::string_view address) : address_(address) {}
   OscMessage& add(std::int32_t value);
   OscMessage& add(float value);
-  /// Up to its first zero byte. Not ASCII is sent as it is.
+  /// Adds the text up to its first zero byte. Bytes that are not ASCII are sent unchanged.
   OscMessage& add(std::string_view text);
-  /// The datagram.
+  /// Returns the datagram.
   std::string bytes() const;
 
  private:
   std::string address_, types_ = ",", arguments_;
 };
 
-/// A text as part of an address: what OSC forbids there is "_", so is what is not ASCII; "_" for no
-/// text.
+/// Makes a text a part of an address: characters that OSC forbids there, or that are not ASCII,
+/// become "_"; an empty text is "_".
 std::string osc_name(std::string_view text);
 
 }  // namespace mixrig::stream

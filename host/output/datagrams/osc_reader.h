@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Open Sound Control 1.0, read: what control surfaces send. Pure.
+// Parses Open Sound Control 1.0, as control surfaces send it. Pure.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace mixrig::stream {
 
-/// Integers and floats are numbers; T and F are booleans.
+/// An argument: integers and floats are double; T and F are bool.
 using OscArgument = std::variant<double, bool, std::string>;
 
 struct OscReceived {
@@ -20,9 +20,9 @@ struct OscReceived {
   std::vector<OscArgument> arguments;
 };
 
-/// The messages of a datagram: one, or those of a bundle, whose time tag is ignored: everything is
-/// of now. At most 32 messages, 16 arguments each, bundles 4 deep. Types i, f, s, h, d, T, F; N and
-/// I are left out. Errors: kFormat, one line.
+/// Parses a message, or the messages of a bundle, whose time tag is ignored. At most 32 messages,
+/// 16 arguments each, bundles nested 4 deep. Types i, f, s, h, d, T, F; N and I are skipped.
+/// Errors: kFormat, one line.
 Result<std::vector<OscReceived>> parse_osc(std::span<const std::uint8_t> datagram);
 
 }  // namespace mixrig::stream

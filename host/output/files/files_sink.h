@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes composites: a take of composite and mixed depth, further layers as pictures.
+// Writes composites to files: a take of composite and mixed depth, and other layers as pictures.
 #pragma once
 
 #include <filesystem>
@@ -18,18 +18,18 @@ namespace mixrig::output {
 enum class OutputFormat { kPng, kVideo, kNone };
 
 struct OutputOptions {
-  OutputFormat format = OutputFormat::kPng;  ///< of the composite; kNone writes no frames at all
-  bool layers = false;                       ///< segmented depth (millimetres) and matte too
-  bool inspect = false;                      ///< warped depth, key and light map too
-  bool alpha = false;  ///< share of a pixel that is covered: the composite is over black
+  OutputFormat format = OutputFormat::kPng;  ///< of the composite; kNone: no frames are written
+  bool layers = false;                       ///< also segmented depth (millimetres) and matte
+  bool inspect = false;                      ///< also warped depth, key and light map
+  bool alpha = false;  ///< also the covered share of each pixel: the composite is over black
 };
 
-/// Fills a run's folder: composite/ (a take: colour is the composite, depth the mixed depth, in the
-/// view), alpha/ where the set leaves parts transparent, segmented_depth/, matte/, warped_depth/,
-/// key/, light/ with PNGs numbered from 1, and frames.csv with a row for each frame.
+/// Fills a run's folder: composite/ (a take with the composite as colour and the mixed depth as
+/// depth, in the view), alpha/ if the set leaves parts transparent, segmented_depth/, matte/,
+/// warped_depth/, key/, light/ with PNGs numbered from 1, and frames.csv with a row for each frame.
 class FilesSink final : public CompositeSink {
  public:
-  /// `folder` exists. Errors: kIo.
+  /// Precondition: `folder` exists. Errors: kIo.
   static Result<std::unique_ptr<FilesSink>> create(const std::filesystem::path& folder,
                                                    const capture::SourceInfo& source,
                                                    const geometry::Pinhole& view,
@@ -51,7 +51,7 @@ class FilesSink final : public CompositeSink {
   capture::Capture frame_;
   Image<std::uint16_t> depth_mm_;
   std::ofstream table_;
-  bool lens_columns_ = false;  ///< of table_
+  bool lens_columns_ = false;  ///< table_ has columns for the lens
 };
 
 }  // namespace mixrig::output

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plot of bars that are made of parts: the stages of a delay.
+// Plots bars that consist of parts, such as the stages of a delay.
 #pragma once
 
 #include <string>
@@ -10,7 +10,8 @@
 namespace mixrig::report {
 
 struct BarPart {
-  std::string name;  ///< parts of one name have one colour, in the order of the first bar
+  /// Parts with the same name have the same colour, in the order of the first bar.
+  std::string name;
   double value = 0;  ///< not negative
 };
 struct Bar {
@@ -19,10 +20,10 @@ struct Bar {
 };
 struct BarPlot {
   std::string title, unit;
-  std::vector<Bar> bars;  ///< below one another
+  std::vector<Bar> bars;  ///< from top to bottom
 };
 
-/// The axis starts at zero and ends at a round number above the longest bar.
+/// Draws the plot. The axis starts at zero and ends at a round number above the longest bar.
 Image<Rgb8> draw_bars(const BarPlot& plot, Size size);
 
 }  // namespace mixrig::report

@@ -21,23 +21,23 @@ enum class Align { kLeft, kCenter, kRight };
 /// Coordinates in pixels from the top left corner. Not thread-safe.
 class Canvas {
  public:
-  /// Filled with `paper`.
+  /// Makes a canvas filled with `paper`.
   Canvas(Size size, Rgb8 paper, CanvasKind kind = CanvasKind::kPicture);
   Canvas(Canvas&&) noexcept;
   Canvas& operator=(Canvas&&) noexcept;
   ~Canvas();
 
-  /// Only on a picture.
+  /// Draws a picture with its top left corner at (x, y). Only for CanvasKind::kPicture.
   void picture(int x, int y, ImageView<const Rgb8> picture);
-  /// `at` is on the base line; sans serif of `height_px`.
+  /// Writes sans serif text of `height_px`; `at` lies on the base line.
   void text(Point at, const std::string& words, double height_px, Rgb8 ink,
             Align align = Align::kLeft);
-  /// The same, read from bottom to top.
+  /// Writes text that reads from bottom to top.
   void vertical_text(Point at, const std::string& words, double height_px, Rgb8 ink);
   void line(const std::vector<Point>& points, double width_px, Rgb8 ink);
   void dot(Point at, double radius_px, Rgb8 ink);
   Image<Rgb8> finish();
-  /// The file, of kSvg; nothing is drawn after it.
+  /// Returns the file of a CanvasKind::kSvg canvas; nothing may be drawn afterwards.
   std::string finish_svg();
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inspection images as colour pictures.
+// Turns inspection images into colour pictures.
 #pragma once
 
 #include <string>
@@ -8,24 +8,24 @@
 
 namespace mixrig::report {
 
-/// Error 0..1 as colour: white, orange, red by its square root, red beyond; black where it is not
-/// known (negative, not a number).
+/// Colour of an error 0..1: white, orange, red along its square root, red beyond 1; black if
+/// unknown (negative or NaN).
 Rgb8 error_color(float share);
-/// The same of error / most, with a scale below.
+/// Picture of error / most by error_color(), with a scale below it.
 Image<Rgb8> error_picture(ImageView<const float> error, float most, const std::string& unit);
-/// Warm is near (0), cold is far (1); values beyond are those of the ends.
+/// Colour of a depth share: warm is near (0), cold is far (1); clamped.
 Rgb8 depth_color(float share);
-/// Depth as colour: warm is near, cold is far, black is unknown. From near_m to far_m.
+/// Depth as colour between near_m and far_m: warm is near, cold is far, black is unknown.
 Image<Rgb8> depth_picture(ImageView<const float> depth_m, float near_m, float far_m);
 /// The 1st and 99th percentile of known depths; {0, 1} if none is known.
 std::pair<float, float> depth_range(ImageView<const float> depth_m);
-/// As key_picture, of one pixel.
+/// Colour of one PixelState, as in key_picture().
 Rgb8 key_color(std::uint8_t state);
 /// PixelState as colour: foreground white, edge yellow, background blue, unknown dark grey.
 Image<Rgb8> key_picture(ImageView<const std::uint8_t> state);
 /// Light 0..1 as grey, sRGB encoded.
 Image<Rgb8> light_picture(ImageView<const float> light);
-/// Area mean of a picture on a smaller grid (nearest pixel where it is larger).
+/// Resamples a picture to a smaller size by area means (nearest pixel if the size is larger).
 Image<Rgb8> shrunk(ImageView<const Rgb8> picture, Size size);
 
 }  // namespace mixrig::report

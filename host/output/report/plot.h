@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plot of named points: speed against error.
+// Plots named points, such as speed against error.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ struct PlotPoint {
   double x = 0, y = 0;
   std::string label;  ///< written beside the dot
 };
-/// Points of one colour, joined by a line in the order given.
+/// Points of one colour, joined by a line in the given order.
 struct PlotSeries {
   std::string name;
   std::vector<PlotPoint> points;
@@ -21,17 +21,17 @@ struct PlotSeries {
 struct Plot {
   std::string title, x_label, y_label;
   std::vector<PlotSeries> series;
-  bool log_x = false;  ///< decades; from the one below the least x on
-  bool joined = true;  ///< the points of a series, by a line
+  bool log_x = false;  ///< decades, from the one below the least x on
+  bool joined = true;  ///< a line joins the points of a series
 };
 
-/// Axes start at zero and end at a round number above the largest value. Points that are not
-/// finite or negative are left out; with `log_x` those at zero too.
+/// Draws the plot. Axes start at zero and end at a round number above the largest value. Points
+/// that are negative or not finite are left out; with `log_x` also points at zero.
 Image<Rgb8> draw(const Plot& plot, Size size);
-/// The same as a file of SVG.
+/// Draws the plot as an SVG file.
 std::string draw_svg(const Plot& plot, Size size);
 
-/// Step between ticks so that at most eight cover 0..`largest`: 1, 2 or 5 times a power of ten.
+/// Step between ticks at which at most eight cover 0..`largest`: 1, 2 or 5 times a power of ten.
 double tick_step(double largest);
 
 }  // namespace mixrig::report

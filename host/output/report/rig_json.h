@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reports of the rig as JSON.
+// Converts reports of the rig to JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>

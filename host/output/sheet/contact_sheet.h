@@ -13,12 +13,12 @@ namespace mixrig::output {
 /// Collects rows of thumbnails: input, depth, key, light map, composite and, where known, truth.
 class ContactSheet {
  public:
-  /// Images that a row shows.
+  /// Images that a row needs.
   static constexpr render::OutputMask kWanted =
       render::kColor | render::kWarpedDepth | render::kState | render::kLight;
   explicit ContactSheet(std::string title) : title_(std::move(title)) {}
 
-  /// `output` with its inspection images; `truth` may be empty.
+  /// Adds a row. `output` holds the images of kWanted; `truth` may be empty.
   void add_row(int frame, ImageView<const Rgb8> plate, const render::FrameOutput& output,
                ImageView<const Rgb8> truth);
   bool empty() const { return rows_.empty(); }
@@ -31,10 +31,10 @@ class ContactSheet {
   };
   std::string title_;
   std::vector<Row> rows_;
-  float near_m_ = 0, far_m_ = 1;  ///< of the first row, so that colours compare
+  float near_m_ = 0, far_m_ = 1;  ///< depth range of the first row, so that colours are comparable
 };
 
-/// `count` frame numbers spread evenly over first..last (all of them where there are fewer).
+/// `count` frame numbers spread evenly over first..last; all of them if there are fewer.
 std::vector<int> spread(int first, int last, int count);
 
 }  // namespace mixrig::output

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a contact sheet of a few frames of a run.
+// Sink that writes a contact sheet of a few frames of a run.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@
 
 namespace mixrig::output {
 
-/// Draws a row for each frame that it is given, and writes the sheet as a PNG at the end.
+/// Draws a row for each frame, and writes the sheet as a PNG in finish().
 class SheetSink final : public CompositeSink {
  public:
   /// `frames`: numbers of the frames to show.

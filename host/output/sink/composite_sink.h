@@ -16,26 +16,27 @@
 
 namespace mixrig::output {
 
-/// One composited frame and its inputs.
+/// One composited frame with its inputs.
 struct Composite {
   capture::CapturePtr capture;
-  std::shared_ptr<const capture::Truth> truth;  ///< null where the source has none
-  /// Where people are, in a run that wants it of a source that knows.
+  std::shared_ptr<const capture::Truth> truth;  ///< null if the source has none
+  /// True places of people; set if the run asks for them and the source knows them.
   std::optional<std::vector<capture::TruePerson>> true_people;
-  geometry::Pose world_from_target;            ///< that was used
-  capture::CameraPose pose;                    ///< of the source; where it is lost, why
-  geometry::Pinhole view;                      ///< that the images are in
-  std::optional<double> slip_px;               ///< of the contact points, against the true pose
-  std::optional<double> slip_sigma_px;         ///< the same, predicted from the pose's covariance
-  std::optional<render::CameraMotion> motion;  ///< while the plate was exposed, where it is known
-  bool objects_shown = true;                   ///< false: hidden, since the pose is lost
-  /// Of the scene's objects; empty: where the scene has them.
+  geometry::Pose world_from_target;  ///< pose used for the composite
+  capture::CameraPose pose;          ///< pose by the source; if lost, the reason
+  geometry::Pinhole view;            ///< view of the images
+  std::optional<double> slip_px;     ///< slip of the contact points against the true pose, pixels
+  std::optional<double> slip_sigma_px;  ///< slip predicted from the pose's covariance, pixels
+  std::optional<render::CameraMotion> motion;  ///< motion during the exposure, if known
+  bool objects_shown = true;  ///< false: objects are hidden because the pose is lost
+  /// Poses of the scene's objects; empty: as in the scene.
   std::vector<geometry::Pose> world_from_object;
-  render::FrameOutput images;  ///< those of images.wanted are valid
-  float frame_ms = 0;          ///< time to composite it
+  render::FrameOutput images;  ///< only those in images.wanted are valid
+  float frame_ms = 0;          ///< time to composite it, milliseconds
   double foreground_pct = 0;   ///< share of pixels with a matte of at least half
 
-  /// Lets go of the inputs, when the last user has dropped it; the images keep their buffers.
+  /// Releases the inputs when the last user has dropped the composite; the images keep their
+  /// buffers.
   void recycle() {
     capture.reset();
     truth.reset();
@@ -44,22 +45,23 @@ struct Composite {
 /// Dropping the last reference returns the buffers to their pool.
 using CompositePtr = std::shared_ptr<const Composite>;
 
-/// wanted() is called on the compositing thread, before write() of any later frame has ended;
-/// write() and finish() on the sink's own thread (SinkThread).
+/// A receiver of composites. wanted() is called in the compositing thread, before write() of any
+/// later frame has ended; write() and finish() in the sink's own thread (SinkThread).
 class CompositeSink {
  public:
   virtual ~CompositeSink() = default;
   /// Name for reports: "files", "sheet".
   virtual std::string_view name() const = 0;
-  /// Images that frame `number` of the source needs for this sink; 0: the frame is not sent to it.
+  /// Images that this sink needs of frame `number` of the source; 0: the frame is not sent to it.
   /// Thread-safe.
   virtual render::OutputMask wanted(int number) const = 0;
-  /// May be slow: a sink of a live run then loses frames. Not called again after an error.
+  /// Takes a composite. If it is slow, the sink of a live run loses frames. Not called again after
+  /// an error.
   virtual Result<void> write(const CompositePtr& composite) = 0;
-  /// True where write() takes some milliseconds at most: its thread has the priority of the run, so
-  /// that other programs do not take its time.
+  /// True if write() takes a few milliseconds at most: its thread then has the run's priority, so
+  /// that other programs do not delay it.
   virtual bool is_quick() const { return false; }
-  /// After the last write(). Errors: those of the sink.
+  /// Called after the last write(). Errors: those of the sink.
   virtual Result<void> finish() = 0;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times of frames, also of a take that does not know them.
+// Increasing times of frames, even for a take that does not record times.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,8 @@ namespace mixrig::session {
 
 class FrameTimes {
  public:
-  static constexpr double kAssumedRate_hz = 25;  ///< of a take that does not know its times
-  /// A time later than those before, from that of the next capture.
+  static constexpr double kAssumedRate_hz = 25;  ///< for a take without times
+  /// A time later than all before, from the time of the next capture.
   double next(double capture_s) {
     if (last_s_ && capture_s <= *last_s_) shift_s_ += 1 / kAssumedRate_hz;
     last_s_ = capture_s;
@@ -17,7 +17,7 @@ class FrameTimes {
   }
 
  private:
-  std::optional<double> last_s_;  ///< of a capture, as it says
+  std::optional<double> last_s_;  ///< of the last capture, as given
   double shift_s_ = 0;
 };
 

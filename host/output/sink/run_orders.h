@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an operator asks of a run while it runs (keys, signals, page, OSC), and what the run tells
-// of itself. There is one for a run, so that each of them shows what the others have changed.
+// Orders that an operator gives to a run (keys, signals, page, OSC), and the state that the run
+// reports. One object a run, so that each control shows what the others have changed.
 #pragma once
 
 #include <array>
@@ -19,31 +19,31 @@
 
 namespace mixrig::output {
 
-/// The run ends with the frames done so far.
+/// Ends the run with the frames done so far.
 struct StopRun {};
-/// Of the pictures that are shown, not of what is written.
+/// Selects the view that is shown; files are not affected.
 struct ShowView {
   View view = View::kComposite;
 };
-/// The pictures that are shown stay as they are.
+/// Freezes or resumes the pictures that are shown.
 struct FreezePictures {
   bool on = false;
 };
-/// As RunState::recording.
+/// Starts or stops recording; see RunState::recording.
 struct Record {
   bool on = false;
 };
-/// What changed in the room becomes background.
+/// Makes the changes found in the room part of the background.
 struct LearnChanges {};
-/// Begins kScanLooks looks at the empty room, or ends them without a result.
+/// Begins kScanLooks captures of the empty room, or cancels them without a result.
 struct LearnRoom {
   bool on = false;
 };
-/// What is seen at this pixel of the view is sharp from now on.
+/// Focuses on the depth seen at this pixel of the view.
 struct FocusAt {
   glm::ivec2 pixel{0, 0};
 };
-/// Sets an object, counted from 0, on the surface that is seen at a pixel of the view.
+/// Places an object (index from 0) on the surface seen at a pixel of the view.
 struct PlaceObject {
   int object = 0;
   glm::ivec2 pixel{0, 0};
@@ -51,49 +51,49 @@ struct PlaceObject {
 using RunOrder = std::variant<StopRun, ShowView, FreezePictures, Record, LearnChanges, LearnRoom,
                               FocusAt, PlaceObject>;
 
-/// Looks at the empty room before it replaces the background.
+/// Captures of the empty room before it replaces the background.
 inline constexpr int kScanLooks = 24;
 
-/// What became of an order to place an object.
+/// Result of an order to place an object.
 enum class Placement : std::uint8_t { kPlaced, kNoSurface, kFailed };
 std::string_view text(Placement placement);
 
-/// What a run tells of itself.
+/// State that a run reports.
 struct RunState {
   View view = View::kComposite;
   bool frozen = false;
-  /// False: frames are not written to the run's files. With `records_takes` instead: whether a take
-  /// is being recorded.
+  /// Whether frames are written to the run's files or, with `records_takes`, whether a take is
+  /// being recorded.
   bool recording = true;
   bool records_takes = false;
-  int scan_left = 0;                      ///< looks that are still to be taken; 0: none is at work
-  std::optional<glm::ivec2> focus_px;     ///< by an operator; absent: as the scene says
-  int objects = 0;                        ///< that can be placed
-  std::uint32_t placements = 0;           ///< orders to place that were obeyed or refused
-  Placement placed = Placement::kPlaced;  ///< of the last of them
-  bool can_learn = false;                 ///< the background is watched
-  bool can_scan = false;                  ///< it is of one view, which can be learned anew
-  bool can_record = false;                ///< there is a folder to write to
-  bool can_focus = false;                 ///< the scene has a [focus]
+  int scan_left = 0;  ///< captures of the empty room still to be taken; 0: none in progress
+  std::optional<glm::ivec2> focus_px;     ///< set by an operator; absent: as in the scene
+  int objects = 0;                        ///< number that can be placed
+  std::uint32_t placements = 0;           ///< number of orders to place that were handled
+  Placement placed = Placement::kPlaced;  ///< result of the last of them
+  bool can_learn = false;                 ///< LearnChanges is possible: the background is watched
+  bool can_scan = false;    ///< LearnRoom is possible: the background is a single view
+  bool can_record = false;  ///< Record is possible: there is a folder to write to
+  bool can_focus = false;   ///< FocusAt is possible: the scene has a [focus]
 };
 
-/// Any threads. The lock is held for a copy only, and nothing allocates but an error. It must
-/// outlive the run and its sinks.
+/// Thread-safe. The lock is held for a copy only, and only errors allocate. It must outlive the run
+/// and its sinks.
 class RunOrders {
  public:
-  static constexpr std::size_t kMost = 16;  ///< that wait
+  static constexpr std::size_t kMost = 16;  ///< orders that may wait
 
-  /// `stop` ends the run and its devices, and outlives this.
+  /// `stop` ends the run and its devices; it must outlive this object.
   explicit RunOrders(std::atomic<bool>& stop) : stop_(stop) {}
 
-  /// StopRun, ShowView and FreezePictures are in force at once, since no frame is needed for them;
-  /// the others wait until a frame comes to who obeys them. Who gives one has seen in state() that
-  /// the run can do it. Errors: kData where kMost wait; this one is left out then.
+  /// Gives an order. StopRun, ShowView and FreezePictures take effect at once; the others wait
+  /// until the thread that handles them takes them at a frame. Precondition: state() says that the
+  /// run can do it. Errors: kData if kMost orders wait; the order is then dropped.
   Result<void> give(const RunOrder& order);
-  /// As LearnChanges; for a signal handler too.
+  /// Gives LearnChanges; may be called in a signal handler.
   void learn_by_signal() { learn_signal_ = true; }
 
-  /// The oldest of one kind that waits; each kind has one thread that takes it.
+  /// Takes the oldest waiting order of one kind; only one thread takes each kind.
   template <typename Order>
   std::optional<Order> take() {
     if constexpr (std::is_same_v<Order, LearnChanges>)
@@ -101,18 +101,18 @@ class RunOrders {
     const std::optional<RunOrder> order = take_first(is<Order>);
     return order ? std::optional<Order>(std::get<Order>(*order)) : std::nullopt;
   }
-  /// Whether one of this kind waits.
+  /// Whether an order of this kind waits.
   template <typename Order>
   bool waits() const {
     const std::lock_guard lock(mutex_);
     return find(is<Order>) < count_;
   }
 
-  /// As the run told it last, with what waits as if it were done: a screen shows at once what it
-  /// asked for.
+  /// State as the run reported it last, with waiting orders applied, so that a screen shows at once
+  /// what it asked for.
   RunState state() const;
-  /// Changes what state() gives: `change(RunState&)` is called under the lock and assigns values
-  /// alone. Each value has one writer, the thread that obeys the orders it is about.
+  /// Changes the state: `change(RunState&)` is called under the lock and must only assign values.
+  /// Each value has one writer, the thread that handles the orders for it.
   template <typename Change>
   void tell(const Change& change) {
     const std::lock_guard lock(mutex_);
@@ -132,9 +132,9 @@ class RunOrders {
   std::atomic<bool>& stop_;
   std::atomic<bool> learn_signal_ = false;
   static_assert(std::atomic<bool>::is_always_lock_free);
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::array<RunOrder, kMost> waiting_;
-  std::size_t count_ = 0;  ///< of waiting_, the oldest first
+  std::size_t count_ = 0;  ///< orders in waiting_, the oldest first
   RunState told_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a sink in a thread of its own, fed by a bounded queue.
+// Runs a sink in its own thread, fed by a bounded queue.
 #pragma once
 
 #include <atomic>
@@ -17,7 +17,7 @@
 
 namespace mixrig::output {
 
-/// Counts of a sink.
+/// Frame counts of a sink.
 struct SinkReport {
   std::string name;
   std::uint64_t written = 0;
@@ -30,21 +30,22 @@ enum class WhenFull {
   kWait,        ///< a recording: every frame is written
 };
 
-/// The thread runs at low priority, but for a sink that is quick, so that encoding does not take
-/// the processor from the compositor. push() and finish() are for one thread.
+/// The thread has low priority unless the sink is quick, so that encoding does not take processor
+/// time from the compositor. push() and finish() must be called from one thread.
 class SinkThread {
  public:
-  /// With a gate, each write() of the sink is a piece of work behind it; it must outlive this.
+  /// With `gate`, each write() of the sink is work done behind that gate; the gate must outlive
+  /// this object.
   SinkThread(std::unique_ptr<CompositeSink> sink, WhenFull when_full, WorkGate* gate = nullptr);
-  /// Ends the thread without finish().
+  /// Ends the thread without calling the sink's finish().
   ~SinkThread();
   SinkThread(const SinkThread&) = delete;
   SinkThread& operator=(const SinkThread&) = delete;
 
   const CompositeSink& sink() const { return *sink_; }
-  /// Errors: that of an earlier write().
+  /// Queues a composite. Errors: that of an earlier write().
   Result<void> push(CompositePtr composite);
-  /// Waits until all that was pushed is written.
+  /// Waits until everything pushed so far is written.
   void wait_until_idle();
   /// Waits until the queue is written, then finishes the sink and ends the thread.
   /// Errors: those of write() and finish().
@@ -61,11 +62,11 @@ class SinkThread {
   WorkGate* const gate_;
   BoundedQueue<CompositePtr, 2> queue_;
   std::atomic<std::uint64_t> written_ = 0;
-  std::uint64_t pushed_ = 0;  ///< of the pushing thread
+  std::uint64_t pushed_ = 0;  ///< by the pushing thread
   std::atomic<bool> finish_ = false;
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::condition_variable handled_one_;
-  std::uint64_t handled_ = 0;  ///< composites that were written, or discarded after an error
+  std::uint64_t handled_ = 0;  ///< composites written, or discarded after an error
   std::optional<Error> error_;
   std::thread thread_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pictures of a run that an operator can look at.
+// The pictures of a run that an operator can view.
 #pragma once
 
 #include <array>

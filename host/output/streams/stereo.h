@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pair of views for two eyes, drawn from one picture, its depth, and what lies behind it.
+// Draws views for two eyes from a picture, its depth, and the room behind it.
 #pragma once
 
 #include <cstdint>
@@ -11,28 +11,28 @@ namespace mixrig::output {
 
 struct StereoOptions {
   double fx_px = 0;      ///< of the picture's pinhole
-  double eye_m = 0.065;  ///< between the two views
+  double eye_m = 0.065;  ///< distance between the eyes
   double screen_m = 3;   ///< distance without disparity
-  double most_px = 1e9;  ///< disparity before and behind the screen is cut at this
+  double most_px = 1e9;  ///< limit of the disparity, before and behind the screen
 };
 
-/// A picture with depth; 0 is unknown. Sizes agree.
+/// A picture with depth (0 unknown) of the same size.
 struct DepthPicture {
   ImageView<const Rgb8> color;
   ImageView<const float> depth_m;
 };
 
-/// How the pixels of both views came about.
+/// How the pixels of both views were found.
 struct StereoCounts {
-  std::uint64_t seen = 0;     ///< by the picture
-  std::uint64_t behind = 0;   ///< of what lies behind it
-  std::uint64_t guessed = 0;  ///< neither: the farther neighbour in the row
+  std::uint64_t seen = 0;     ///< from the picture
+  std::uint64_t behind = 0;   ///< from the room behind it
+  std::uint64_t guessed = 0;  ///< from neither: copied from the farther neighbour in the row
 };
 
-/// Left and right view, 2 columns of `out` each as wide as the picture: each point is moved by half
-/// of fx eye (1/z - 1/screen) against the eye. Surfaces are torn where their disparity changes by
-/// more than 2 px from pixel to pixel; the hole shows what lies behind (may be empty). A depth that
-/// is not known is that of the farther known neighbour in its row.
+/// Draws the left and right view side by side in `out`, each as wide as the picture: a point is
+/// moved by half of fx eye (1/z - 1/screen) against the eye. Surfaces are torn where their
+/// disparity changes by more than 2 px between pixels; the hole shows `behind` (may be empty). An
+/// unknown depth is replaced by that of the farther known neighbour in its row.
 class StereoPair {
  public:
   explicit StereoPair(StereoOptions options) : options_(options) {}
@@ -40,10 +40,10 @@ class StereoPair {
 
  private:
   struct Row {
-    std::vector<float> w;  ///< 1/z of what was drawn, 0 nothing
+    std::vector<float> w;  ///< inverse depth of the drawn pixels, 0 nothing
     std::vector<Rgb8> color;
   };
-  /// `all`: also where the depth is not known.
+  /// `all`: also draws pixels of unknown depth.
   void move_row(const DepthPicture& from, int y, float side, bool all, Row& row);
   float disparity_px(float w) const;
 

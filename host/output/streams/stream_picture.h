@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A composite as the raw picture of a stream.
+// Turns a composite into the raw picture of a stream.
 #pragma once
 
 #include <cstddef>
@@ -13,27 +13,27 @@
 
 namespace mixrig::output {
 
-/// The room without people and objects, in the view, for holes of a stereo pair. May be empty.
+/// The room without people and objects, in the view, to fill holes of a stereo pair. May be empty.
 struct RoomBehind {
   Image<Rgb8> color;
-  Image<float> depth_m;  ///< 0: depth or colour is not known
+  Image<float> depth_m;  ///< 0: depth or colour is unknown
 };
-/// Of a background that stands still.
+/// Makes it of a background that stands still.
 RoomBehind room_behind(const render::BackgroundView& background);
 
-/// Not thread-safe: reuses memory.
+/// Not thread-safe: reuses memory between frames.
 class StreamPicture {
  public:
-  /// `transparent`: the set leaves parts of the picture uncovered, which the key then tells.
+  /// `transparent`: the set leaves parts of the picture uncovered, which the key must show.
   StreamPicture(const scene::StreamOut& out, bool transparent, RoomBehind behind);
 
   render::OutputMask wanted() const;
   /// Bytes of a row of the stream's picture.
   static std::size_t stride(const scene::StreamOut& out, Size view);
-  /// Writes all rows of stride() bytes. Precondition: the wanted images are there.
+  /// Writes all rows, stride() bytes each. Precondition: `images` holds the wanted images.
   void draw(const render::FrameOutput& images, const geometry::Pinhole& view,
             std::span<std::uint8_t> to);
-  const StereoCounts& stereo() const { return stereo_; }  ///< of all frames
+  const StereoCounts& stereo() const { return stereo_; }  ///< sums over all frames
 
  private:
   const Image<std::uint8_t>& key_of(const render::FrameOutput& images) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What GStreamer is told for a stream: pure, tested without it.
+// Plans a stream's GStreamer pipeline. Pure, tested without GStreamer.
 #pragma once
 
 #include <optional>
@@ -13,11 +13,11 @@
 
 namespace mixrig::output {
 
-/// Layout of the raw pictures that a stream is fed with.
+/// Layout of the raw pictures that are fed to a stream.
 enum class StreamPixels { kBgrx, kBgra, kGray8, kGray16 };
 std::size_t bytes_per_pixel(StreamPixels pixels);
 StreamPixels pixels_of(scene::StreamOut::Picture picture);
-/// Of the stream, by that of the view: twice as wide for two pictures side by side.
+/// Size of the stream for a size of the view: twice as wide for two pictures side by side.
 Size stream_size(scene::StreamOut::Picture picture, Size view);
 
 struct StreamNeed {
@@ -25,21 +25,22 @@ struct StreamNeed {
 };
 
 struct StreamPlan {
-  std::string description;  ///< of the pipeline, whose source is "source" and whose end is "end"
-  std::vector<std::pair<std::string, std::string>> texts;  ///< properties of the end
-  std::optional<int> port;                                 ///< property of the end
+  /// Pipeline description with a source named "source" and an end named "end".
+  std::string description;
+  std::vector<std::pair<std::string, std::string>> texts;  ///< text properties of the end
+  std::optional<int> port;                                 ///< integer property of the end
   std::vector<StreamNeed> needs;
-  bool i420 = false;      ///< pictures are given as I420 (i420.h)
-  bool timecode = false;  ///< the pictures are given theirs: the format has a place for it
-  bool waits = false;     ///< a file: no frame is left out
-  std::string caps;       ///< of what a receiver without them must be told; empty: it need not
+  bool i420 = false;      ///< pictures must be given as I420 (i420.h)
+  bool timecode = false;  ///< the format carries timecode, which pictures must be given
+  bool waits = false;     ///< a file: feeding waits, no frame is dropped
+  std::string caps;       ///< caps that a receiver must be given by other means; empty: none needed
 };
 
-/// Errors: kUsage for an address that is none, and a picture that the codec or the address cannot
-/// carry. Precondition: rate_hz > 0.
+/// Plans a stream. Precondition: rate_hz > 0. Errors: kUsage for an invalid address, and for a
+/// picture that the codec or the address cannot carry.
 Result<StreamPlan> plan_stream(const scene::StreamOut& out, Size view, double rate_hz);
 
-/// Words of scene.toml.
+/// Names of these values in scene.toml.
 const char* name(scene::StreamOut::Picture picture);
 const char* name(scene::StreamOut::Codec codec);
 

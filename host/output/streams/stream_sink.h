@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sends composites to another program, or into a file, through GStreamer.
+// Sends composites through GStreamer to another program or into a file.
 #pragma once
 
 #include <memory>
@@ -13,24 +13,25 @@
 
 namespace mixrig::output {
 
-/// What was sent to one receiver.
+/// Counts for one receiver.
 struct StreamOutReport {
   std::string uri, picture;
   Size size;
-  std::uint64_t frames = 0;   ///< given to GStreamer
-  std::uint64_t dropped = 0;  ///< because it had not taken the two before yet, or ended
+  std::uint64_t frames = 0;   ///< pictures given to GStreamer
+  std::uint64_t dropped = 0;  ///< pictures dropped because GStreamer still held two, or had ended
   StereoCounts stereo;
 };
 
-/// The time stamp of each picture is its mid-exposure, 0 for the first. A network receiver that is
-/// slow, absent or gone loses pictures, counted; a file gets all. An end that fails is logged once.
+/// Sends pictures stamped with their mid-exposure, 0 for the first. A network receiver that is
+/// slow, absent or gone loses pictures, which are counted; a file gets all. A failing end is logged
+/// once.
 class StreamSink final : public CompositeSink {
  public:
-  /// What can be known before a picture is there. Errors: kUsage (plan_stream()), kUnsupported with
-  /// the Debian package of a plug-in that is missing.
+  /// Checks what can be checked before the first picture. Errors: kUsage (plan_stream()),
+  /// kUnsupported with the Debian package of a missing plug-in.
   static Result<void> check(const scene::StreamOut& out, Size view, double rate_hz);
-  /// Timecode begins at the time of day, of which `day_at_zero` is that at host time 0, else at 0.
-  /// Errors: of check(); kIo where the end cannot be opened.
+  /// Opens the stream. Timecode begins at the time of day if `day_at_zero`, the time of day at host
+  /// time 0, is given, else at 0. Errors: those of check(); kIo if the end cannot be opened.
   static Result<std::unique_ptr<StreamSink>> create(const scene::StreamOut& out, Size view,
                                                     double rate_hz, bool transparent,
                                                     RoomBehind behind,
@@ -40,14 +41,14 @@ class StreamSink final : public CompositeSink {
   render::OutputMask wanted(int) const override { return picture_.wanted(); }
   Result<void> write(const CompositePtr& composite) override;
   Result<void> finish() override;
-  /// After finish().
+  /// Precondition: finish() was called.
   const StreamOutReport& report() const { return report_; }
 
  private:
-  struct Graph;  ///< of GStreamer
+  struct Graph;  ///< GStreamer's objects
   StreamSink(const scene::StreamOut& out, Size view, double rate_hz, bool transparent,
              RoomBehind behind);
-  /// False where the picture has to be left out.
+  /// False if the picture must be dropped.
   bool has_room();
 
   const scene::StreamOut out_;
@@ -56,8 +57,8 @@ class StreamSink final : public CompositeSink {
   StreamPicture picture_;
   StreamOutReport report_;
   std::unique_ptr<Graph> graph_;
-  std::vector<std::uint8_t> drawn_;          ///< before it becomes I420
-  std::optional<TimecodeCounter> timecode_;  ///< where the format has a place for it
+  std::vector<std::uint8_t> drawn_;          ///< the picture before conversion to I420
+  std::optional<TimecodeCounter> timecode_;  ///< if the format carries timecode
   std::optional<HostTime> first_;
   Duration last_{-1};  ///< time stamp of the last picture
   bool ended_ = false;

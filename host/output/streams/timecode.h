@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Timecode of the pictures of a stream, as SMPTE ST 12-1 counts it, without dropped numbers.
+// Timecode of a stream's pictures as SMPTE ST 12-1 counts it, without drop-frame numbering.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,19 @@ struct Timecode {
   friend bool operator==(const Timecode&, const Timecode&) = default;
 };
 
-/// The n-th picture of a day at `per_second` pictures a second; after 24 hours it begins again.
+/// Timecode of the n-th picture of a day at `per_second` pictures a second; wraps after 24 hours.
 /// Precondition: per_second >= 1.
 Timecode timecode_of(std::int64_t number, unsigned per_second);
 
-/// Numbers pictures by their mid-exposures, so that those that are lost leave a gap and jitter of
-/// less than half a period does not show. Not thread-safe.
+/// Numbers pictures by their mid-exposures: lost pictures leave a gap, and jitter below half a
+/// period has no effect. Not thread-safe.
 class TimecodeCounter {
  public:
-  /// `day_at_zero` is the time of day at host time 0; without it the first picture is 00:00:00:00.
+  /// `day_at_zero`: time of day at host time 0; without it the first picture is 00:00:00:00.
   /// Precondition: rate_hz >= 0.5.
   TimecodeCounter(double rate_hz, std::optional<Duration> day_at_zero);
   Timecode next(HostTime mid_exposure);
-  /// Numbers of a second: the rate, rounded.
+  /// Picture numbers a second: the rate, rounded.
   unsigned per_second() const { return per_second_; }
 
  private:
@@ -37,8 +37,8 @@ class TimecodeCounter {
   std::int64_t first_number_ = 0;
 };
 
-/// Local time of day at host time 0, in the time zone as it is at `now`. `epoch_ns`: host time 0,
-/// since 1970.
+/// Local time of day at host time 0, in the time zone that is in force at `now`. `epoch_ns`: Unix
+/// time of host time 0, nanoseconds.
 Duration local_day_at_zero(std::int64_t epoch_ns, HostTime now);
 
 }  // namespace mixrig::output

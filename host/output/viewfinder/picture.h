@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture of a view of a composite, as a screen takes it.
+// Converts a view of a composite into a picture for a screen.
 #pragma once
 
 #include "hal/base/image.h"
@@ -9,22 +9,22 @@
 
 namespace mixrig::viewfinder {
 
-/// What the viewfinder shows; keys 1 to 6.
+/// Views that the viewfinder shows by keys 1 to 6.
 using output::kViews;
 using output::View;
 
-/// The image of the compositor that a view shows. The plate needs none; it asks for the matte,
-/// which every frame makes.
+/// Image of the compositor that a view needs. The plate needs none; it asks for the matte, which
+/// every frame makes.
 render::OutputMask images_of(View view);
 
-/// Depth is drawn from near to far as in contact sheets, black where it is unknown.
+/// Depth range of the colours, as in contact sheets; black is unknown.
 struct DepthColors {
   float near_m = 0.5F, far_m = 6;
 };
 
-/// Makes `picture` that of the view, in the size of its image. False where the composite does not
-/// hold the image in its own memory, which is so for a frame or two after a change of views;
-/// `picture` is as before. Allocates only when the size changes.
+/// Draws a view into `picture`, in the size of its image. Returns false, leaving `picture`
+/// unchanged, if the composite does not hold the image in host memory, as for a frame or two after
+/// a change of views. Allocates only when the size changes.
 bool draw_view(const output::Composite& composite, View view, const DepthColors& depth,
                Image<Rgbx8>& picture);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How often something happens.
+// Measures how often something happens.
 #pragma once
 
 #include <algorithm>
@@ -10,11 +10,11 @@
 
 namespace mixrig::viewfinder {
 
-/// Events of the last second, at most 128 of them.
+/// Rate of events over the last second; remembers at most 128 events.
 class RateMeter {
  public:
   void add(HostTime at) { times_[count_++ % times_.size()] = at; }
-  /// A second, from those that lie at most one second before `now`; 0 for less than two.
+  /// Events a second, from those at most one second before `now`; 0 for less than two.
   double rate_hz(HostTime now) const {
     if (count_ == 0) return 0;
     const HostTime newest = at(1);
@@ -27,7 +27,7 @@ class RateMeter {
   }
 
  private:
-  /// The last but `back` - 1.
+  /// The event `back` places from the end; 1 is the newest.
   HostTime at(std::size_t back) const { return times_[(count_ - back) % times_.size()]; }
   std::array<HostTime, 128> times_{};
   std::size_t count_ = 0;

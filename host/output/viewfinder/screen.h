@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A whole picture of the viewfinder: a view of a composite and what is written over it.
+// Draws the viewfinder's whole picture: a view of a composite with text and marks over it.
 #pragma once
 
 #include <array>
@@ -16,18 +16,19 @@
 
 namespace mixrig::viewfinder {
 
-/// What is known beside the composite.
+/// Facts shown beside the composite.
 struct ScreenFacts {
-  bool live = false;              ///< of devices: pictures have an age since their exposure
-  double rate_hz = 0;             ///< of the source; 0: unknown
-  double shown_hz = 0;            ///< pictures shown in the last second
-  Duration since_last{};          ///< since the last picture came
-  std::optional<Duration> age;    ///< since the mid-exposure of the picture, of a live source
-  std::optional<Duration> delay;  ///< of a live picture: mid-exposure to being shown
-  std::optional<Duration> without_depth;  ///< for how long
+  bool live = false;                      ///< the source is devices, whose pictures have an age
+  double rate_hz = 0;                     ///< rate of the source; 0: unknown
+  double shown_hz = 0;                    ///< pictures shown in the last second
+  Duration since_last{};                  ///< time since the last picture came
+  std::optional<Duration> age;            ///< of a live picture: time since its mid-exposure
+  std::optional<Duration> delay;          ///< of a live picture: mid-exposure to being shown
+  std::optional<Duration> without_depth;  ///< time since depth was lost
   bool recording = false;
   TextLine message;  ///< answer to a key; empty: none
-  TextLine fault;    ///< the device that is lost; empty: none
+  TextLine fault;    ///< names the lost device; empty: none
+  /// Lines for streams and sets; empty ones are not shown.
   static constexpr std::size_t kSyncLines = 8;
   std::array<TextLine, kSyncLines> sync;  ///< of streams and sets; empty ones are left out
 };
@@ -35,22 +36,22 @@ struct ScreenFacts {
 /// What a window shows.
 struct Drawn {
   ImageView<const Rgbx8> picture;  ///< the fourth byte is the share that covers `below`
-  /// The composite that stays in the GPU's memory, under `picture`; null: `picture` is all.
+  /// A composite in GPU memory that lies under `picture`; null: `picture` is everything.
   const render::GpuPicture* below = nullptr;
-  bool is_empty = false;  ///< nothing is drawn over `below`
+  bool is_empty = false;  ///< nothing covers `below`
 };
 
-/// Draws into a picture that it keeps. Not thread-safe. Allocates only when the size changes, and
-/// for the range of depth colours when it is set.
+/// Draws into a picture that it owns. Not thread-safe. Allocates only when the size changes, and
+/// when the range of depth colours is set.
 class Screen {
  public:
-  /// `composite` may be null: nothing has come yet. The range of depth colours is that of the
-  /// first picture drawn after forget_range().
+  /// Draws the screen. `composite` may be null if none has come yet. The range of depth colours is
+  /// set by the first picture drawn after forget_range().
   Drawn draw(const output::Composite* composite, const ViewState& state, const ScreenFacts& facts);
   void forget_range() { range_.reset(); }
 
  private:
-  /// What lies below; null where all of it was drawn here.
+  /// Draws the view; returns the GPU picture that lies below, or null if everything was drawn here.
   const render::GpuPicture* draw_picture(const output::Composite* composite, const ViewState& state,
                                          bool gone);
   const render::GpuPicture* clear_over_gpu(const output::Composite& composite, View view);
@@ -65,7 +66,7 @@ class Screen {
   int scale() const;
 
   Image<Rgbx8> picture_;
-  bool is_clear_ = false;  ///< nothing was drawn over what lies below
+  bool is_clear_ = false;  ///< nothing was drawn over the picture below
   std::optional<DepthColors> range_;
 };
 

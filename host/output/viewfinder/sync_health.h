@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The state of live devices in a few lines.
+// Describes the state of live devices in a few lines.
 #pragma once
 
 #include <span>
@@ -9,12 +9,12 @@
 
 namespace mixrig::viewfinder {
 
-/// A line for each stream (frames a second, frames lost and without a partner) and one for the
-/// sets, from two reports `between_s` apart; the lines that are left over become empty.
+/// Writes a line for each stream (frames a second, frames lost and without a partner) and one for
+/// the sets, from two reports `between_s` apart; remaining lines become empty.
 void describe(const capture::SourceReport& now, const capture::SourceReport& before,
               double between_s, std::span<TextLine> lines);
 
-/// The first camera that is unplugged or has failed, and what to do; empty where all are there.
+/// Names the first camera that is unplugged or has failed, and what to do; empty if all are there.
 void describe_fault(const capture::SourceReport& report, TextLine& fault);
 
 }  // namespace mixrig::viewfinder

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A line of text in memory of its own.
+// A line of text in fixed memory.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace mixrig::viewfinder {
 
-/// What is too long is cut off. Nothing allocates.
+/// Text that is too long is cut off. Never allocates.
 class TextLine {
  public:
   template <typename... Args>

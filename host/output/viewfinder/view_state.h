@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the viewfinder shows, and what its keys change. Pure.
+// State of the viewfinder's display, and how keys change it. Pure.
 #pragma once
 
 #include <array>
@@ -26,20 +26,20 @@ enum class Overlay : std::uint8_t {
 };
 inline constexpr std::size_t kOverlays = static_cast<std::size_t>(Overlay::kCount);
 
-/// What a key asks of the run rather than of the picture.
+/// What a key asks of the run; kNone: it only changes the display.
 enum class Request : std::uint8_t { kNone, kLearn, kRecord, kPlace, kQuit, kFullScreen };
 
 struct ViewState {
   View view = View::kComposite;
-  /// Warnings of a lost pose are on from the start; nothing covers the picture otherwise.
+  /// The warning of a lost pose is on at the start; nothing else covers the picture.
   std::array<bool, kOverlays> overlays{false, false, false, true};
   bool frozen = false;
-  std::uint32_t placements = 0;  ///< as RunState::placements, told on the screen
+  std::uint32_t placements = 0;  ///< RunState::placements that have been announced on the screen
 
   bool on(Overlay overlay) const { return overlays[static_cast<std::size_t>(overlay)]; }
 };
 
-/// A key and what it does, for the help and the documentation.
+/// A key and its action, for the help and the documentation.
 struct KeyHelp {
   char key;
   std::string_view what;
@@ -66,31 +66,31 @@ inline constexpr std::array<KeyHelp, 20> kKeys{{{'1', "composite"},
                                                 {kFullScreenKey, "full screen"},
                                                 {'q', "quit (also Esc)"}}};
 
-/// Changes the state by a key (lower case, or kEscape); other keys do nothing. Gives what it asks
-/// of the run.
+/// Changes the state by a key (lower case, or kEscape); other keys do nothing. Returns what the key
+/// asks of the run.
 Request press(char key, ViewState& state);
 
-/// What others than the keys have changed.
+/// Changes to the display that come from elsewhere than its keys.
 struct RunNews {
   bool view = false, frozen = false;
-  std::optional<output::Placement> placed;  ///< of the last order to place that was obeyed
+  std::optional<output::Placement> placed;  ///< result of the last handled order to place an object
 
   bool any() const { return view || frozen || placed; }
 };
-/// Takes over what the run tells; each thing is news once.
+/// Takes over the run's state; reports each change once.
 RunNews follow(const output::RunState& run, ViewState& state);
 
-/// How new a picture is.
+/// How recent a picture is.
 enum class Freshness : std::uint8_t {
   kLive,
   kStale,  ///< the last picture, with its age written over it
-  kGone,   ///< a placeholder: too old to be shown
+  kGone,   ///< too old: a placeholder is shown
 };
 inline constexpr Duration kStaleAfter = std::chrono::milliseconds(300);
 inline constexpr Duration kGoneAfter = std::chrono::seconds(5);
 
-/// From the time since the last picture came. Stale after kStaleAfter or three frame periods of a
-/// source of `rate_hz` (0: unknown), whichever is longer; gone after kGoneAfter.
+/// Freshness by the time since the last picture came. Stale after kStaleAfter or three frame
+/// periods at `rate_hz` (0: unknown), whichever is longer; gone after kGoneAfter.
 Freshness freshness(Duration since_last, double rate_hz);
 
 }  // namespace mixrig::viewfinder

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The viewfinder as a sink: shows every composite in a window, in a thread of its own.
+// The viewfinder as a sink: shows every composite in a window, in its own thread.
 #pragma once
 
 #include <atomic>
@@ -25,42 +25,43 @@ struct ViewfinderOptions {
   View view = View::kComposite;
   Size picture_px;  ///< size of the window on a desktop
   bool help = false;
-  bool shares = false;              ///< composites may stay in the GPU's memory (Viewfinder::share)
+  bool shares = false;              ///< composites may stay in GPU memory (Viewfinder::share)
   output::ShownLog* log = nullptr;  ///< for a measurement; must outlive the sink
 };
 
-/// Of a run; complete when the sink has finished.
+/// Counts and times of a run; complete when the sink has finished.
 struct ViewfinderReport {
-  std::string driver;                ///< SDL's: "x11, software"
-  std::uint64_t shown = 0;           ///< composites
-  std::uint64_t replaced = 0;        ///< by newer ones before they were shown
-  measure::QuantileSketch show_ms;   ///< composite handed over to shown
-  measure::QuantileSketch delay_ms;  ///< live: mid-exposure to shown
+  std::string driver;                ///< SDL's driver and renderer, such as "x11, software"
+  std::uint64_t shown = 0;           ///< composites shown
+  std::uint64_t replaced = 0;        ///< composites replaced by newer ones before they were shown
+  measure::QuantileSketch show_ms;   ///< handing over the composite to showing it
+  measure::QuantileSketch delay_ms;  ///< live: mid-exposure to being shown
 };
 
-/// Shows the view that the run's state has, and gives the orders of keys. write() hands the
-/// composite to the thread that owns the window, and does not wait for it; that thread draws,
-/// shows, handles keys, and goes on while no composite comes: a picture that is old says so.
-/// Closing the window ends the run as Ctrl-C does.
+/// Shows the view in the run's state, and turns keys into orders. write() hands the composite to
+/// the thread that owns the window and does not wait. That thread draws, shows and handles keys,
+/// and continues while no composite comes: an old picture is marked as such. Closing the window
+/// ends the run like Ctrl-C.
 class Viewfinder final : public output::CompositeSink {
  public:
-  /// Opens the window. Source, orders, clock and report must outlive the sink. The source is
-  /// asked for the state of its devices twice a second. Errors: those of Window::open.
+  /// Opens the window. Source, orders, clock and report must outlive the sink. Asks the source for
+  /// the state of its devices twice a second. Errors: those of Window::open.
   static Result<std::unique_ptr<Viewfinder>> create(const ViewfinderOptions& options,
                                                     const capture::CaptureSource& source,
                                                     output::RunOrders& orders, const Clock& clock,
                                                     ViewfinderReport& report);
   ~Viewfinder() override;
 
-  /// What the run's compositors share with the window, so that their composites need not be read
-  /// back; empty where SDL draws otherwise, or `shares` was not wanted. They end before the sink.
+  /// The context that the run's compositors share, so that composites need not be read back; empty
+  /// if SDL does not draw by OpenGL ES, or `shares` is false. These compositors must end before the
+  /// sink.
   render::GlShare share() const { return share_; }
-  /// Composites are read back all the same. Before the run begins.
+  /// Makes composites be read back nevertheless. Call it before the run begins.
   void forget_share() { share_ = {}; }
 
   std::string_view name() const override { return "viewfinder"; }
   render::OutputMask wanted(int number) const override;
-  /// Errors: kDevice where the picture could not be shown.
+  /// Errors: kDevice if the picture could not be shown.
   Result<void> write(const output::CompositePtr& composite) override;
   Result<void> finish() override;
 
@@ -80,12 +81,13 @@ class Viewfinder final : public output::CompositeSink {
   output::RunOrders& orders_;
   const Clock& clock_;
   ViewfinderReport& report_;
-  std::atomic<bool> reads_pixels_ = false;  ///< of the composite, to draw marks of them
+  /// Composites are needed in host memory, to draw marks from their pixels.
+  std::atomic<bool> reads_pixels_ = false;
   render::GlShare share_;
   BoundedQueue<Handed, 1> queue_;
   std::atomic<bool> over_ = false;
   std::atomic<bool> failed_ = false;
-  std::optional<Error> error_;  ///< of the thread; read after failed_
+  std::optional<Error> error_;  ///< of the thread; read after failed_ is set
   std::thread thread_;
 };
 

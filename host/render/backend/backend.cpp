@@ -9,7 +9,7 @@
 namespace mixrig::session {
 namespace {
 
-/// Whether GL draws on a GPU; opens a context for the test and closes it.
+/// Whether GL runs on a GPU; opens a context for the test and closes it.
 bool has_gpu() {
   if (!render::gles::may_have_gpu()) {
     log_info("app", "no device file of a GPU: cpu back end");

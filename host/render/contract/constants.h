@@ -8,34 +8,36 @@
 namespace mixrig::render {
 
 // --- All passes
-/// Metres: nearer surfaces are not drawn. The GPU's window depth is this over z.
+/// Metres: nearer surfaces are not drawn. The GPU's window depth is this value over z.
 inline constexpr double kNearestM = 0.01;
-/// A pixel shows a person from this matte on.
+/// Least matte, 0..1, at which a pixel counts as a person.
 inline constexpr float kPersonMatte = 0.5F;
-/// A pixel shows an object from this share on: more than two of its four samples.
+/// Least coverage at which a pixel counts as an object: more than two of its four samples.
 inline constexpr float kVirtualShare = 0.51F;
 
-// --- correct. All parts are of the depth unless said otherwise.
-/// Metres: no depth camera measures farther; what claims to is unknown.
+// --- correct (docs/method/compositor.md). "Part" means a part of the depth unless said otherwise.
+/// Metres: larger depth values are unknown; no depth camera measures farther.
 inline constexpr float kFarthestM = 1e4F;
-/// A step is at most this part, however noisy the pixel: otherwise dark surfaces would swallow
-/// people in front of them.
+/// Upper limit of the depth-step threshold, whatever the noise: a larger one would hide people in
+/// front of dark surfaces.
 inline constexpr float kSteepest = 0.1F;
-/// Of noise that only the bends around tell: at most the step of a surface this steep (tangent; it
-/// is seen at 3.4 degrees). The scene's own steps bend too, and held links between a dark wall and
-/// what stands before it.
+/// Upper limit of the depth-step threshold derived from bends (second differences), as the step
+/// between pixels of a surface this steep (tangent; seen at 3.4 degrees). The scene's own steps
+/// bend too, and must not link a dark wall to what stands before it.
 inline constexpr float kSteepestSlope = 17.0F;
-/// A larger bend is a step of the scene, not noise.
+/// Bends are clamped to this part: a larger one is a step of the scene, not noise.
 inline constexpr float kLargestBend = 0.04F;
-/// Three depths lie on one plane up to this part of a step: less breaks noisy walls, more bridges
-/// real steps.
+/// Three depths in line count as one plane if they are off it by up to this part of the step
+/// threshold: less breaks noisy walls, more bridges real steps.
 inline constexpr float kPlanePart = 0.7F;
-/// A single neighbour is averaged within this part of a step, a pair of opposite ones within the
-/// whole: one side alone would pull a sloping surface over.
+/// Smoothing averages a single neighbour within this part of the step threshold, and a pair of
+/// opposite ones within the whole: one side alone would bias a sloping surface.
 inline constexpr float kSmoothPart = 0.5F;
-/// A pixel stays if this many of its eight neighbours lie at its depth; one may be another stray.
+/// A pixel is kept if at least this many of its eight neighbours lie at its depth; a single one may
+/// be another stray.
 inline constexpr int kLeastSupporters = 2;
-/// A hole is filled if so many of its eight neighbours are known: those of a corner.
+/// A hole is filled if at least this many of its eight neighbours are known, as many as at a
+/// corner.
 inline constexpr int kLeastKnown = 3;
 /// A stray piece has nothing but unknown pixels and surfaces farther than this factor around it. A
 /// pixel that saw two surfaces can be a whole period of the modulation too near: at 120 MHz 1.25 m.
@@ -49,279 +51,289 @@ inline constexpr float kStrayAreaM2 = 0.002F;
 /// w of a cut cell's corner is at least this part of its vertex' w: gradients at borders are noisy
 /// and must not carry a corner far behind its surface.
 inline constexpr float kLeastCornerPart = 0.5F;
-/// How far a surface reaches past its last sample towards a farther one, in halves of a ToF pixel:
-/// where the other camera looks past its border at what the ToF camera does not see, which is
-/// better unknown than wrong...
+/// How far a surface is extended past its last sample towards a farther one, in halves of a ToF
+/// pixel, where the colour camera sees a gap behind the border that the ToF camera does not see:
+/// unknown is better than wrong there.
 inline constexpr float kOpenReach = 0.2F;
-/// ...and where it covers what the ToF camera sees beside it: pixels that saw both surfaces are
-/// more often taken for the farther one.
+/// How far it is extended, in the same unit, where it covers in the view what the ToF camera sees
+/// beside it: pixels that saw both surfaces more often measure the farther depth.
 inline constexpr float kShutReach = 1.2F;
-/// Pixels of the view that open or shut from where on these hold; 1 where none do, and between them
-/// in proportion.
+/// View pixels of gap or overlap from which kOpenReach and kShutReach apply in full; the extension
+/// is 1 at none, and interpolated between.
 inline constexpr float kReachRampPx = 2.0F;
-/// The nearer surface's share of a pixel at a step that measured nothing: it saw both.
+/// Share of the nearer surface in a ToF pixel at a step that has no measurement: it saw both.
 inline constexpr float kHoleShare = 0.5F;
-/// What differs from one surface by less than this share is noise.
+/// A mixed pixel's share that is off a pure one by less than this is noise.
 inline constexpr float kMixedShare = 0.1F;
-/// A depth that lies outside of both surfaces by this part of the step is of neither.
+/// A depth that lies outside both surfaces by more than this part of the step belongs to neither.
 inline constexpr float kShareSlack = 0.1F;
-/// Steps of less than this part of the depth tell no share.
+/// At steps of less than this part of the depth no share of the surfaces is estimated.
 inline constexpr float kSharePartOfDepth = 0.025F;
-/// Halves of a ToF pixel: a surface reaches farther past no sample.
+/// Most extension of a surface past its last sample, in halves of a ToF pixel.
 inline constexpr float kMostReach = 3.0F;
-/// Where the plate is known: samples of its colour along a link, a quarter of a ToF pixel apart.
+/// Samples of the plate's colour along a link to find a border, a quarter of a ToF pixel apart.
 inline constexpr int kBorderSamples = 10;
-/// Variance of square roots of linear light, of noise and blur. Colours tell a border by half where
-/// they are so many of these deviations apart.
+/// Variance of square roots of linear light by noise and blur. The border by colours counts by half
+/// where both colours are kBorderApart standard deviations apart.
 inline constexpr float kBorderSpread2 = 2e-4F;
 inline constexpr float kBorderApart = 4.0F;
-/// Variance of what samples are off the line between both colours, of the square of their distance:
-/// light mixes along a line, its roots by up to 0.13 of the distance off it (red before cyan).
+/// Variance of samples about the line between both colours, as a part of their squared distance:
+/// linear light mixes along a line, its roots up to 0.13 of the distance off it (red before cyan).
 inline constexpr float kBorderBent2 = 0.02F;
-/// Where a gap opens, the border by colours lies farther in by this, times what the reach is less
-/// than whole: a pixel too far is wrong, one too near is unknown.
+/// Where a gap opens in the view, the border by colours is moved in by this times (1 - extension by
+/// sight), in halves of a ToF pixel: a border too far out gives wrong depth, one too near unknown
+/// depth.
 inline constexpr float kBorderBack = 0.6F;
-/// Most indices of a cell: four quarters of two triangles.
+/// Most indices of a cell: four quarters of two triangles each.
 inline constexpr int kCellIndices = 24;
 
 // --- background, where it is drawn for each pose
-/// A learned colour is not of the drawn surface if their depths differ by more than this part.
+/// A learned colour is not used where the model's depth there differs from the drawn depth by more
+/// than this part.
 inline constexpr float kHiddenPart = 0.05F;
-/// What is drawn lies on a plane for light if it is off it by no more than this part of the depth:
-/// planes go through the feet of objects, up to 5 % off what was measured.
+/// A drawn depth takes its place on a light plane if it is off it by at most this part of the
+/// depth: planes may be moved up to 5 % to go through the feet of objects.
 inline constexpr float kLightPlanePart = 0.08F;
-/// Planes for light of a background model, at most: 16 a face.
+/// Most light planes of a background model: 16 a face.
 inline constexpr int kMostLightPlanes = 96;
 
 // --- virtual
-/// Samples along each axis of a pixel, 2 x 2: coverage in quarters. They are turned (rotated grid):
-/// the upper two lie right of the middles of their quarters and the lower two left of them, the
-/// left ones above and the right ones below, so that no two share a row or a column and an edge
-/// along an axis has five levels of coverage, not three.
+/// Samples along each axis of a pixel: 2 x 2 give coverage in quarters. They form a rotated grid:
+/// the upper two are right of the centres of their quarters and the lower two left of them, the
+/// left ones above and the right ones below. No two share a row or a column, so an edge along an
+/// axis has five levels of coverage, not three.
 inline constexpr int kVirtualSamples = 2;
-/// By how much, px.
+/// Offset of the samples from the centres of their quarters along each axis, pixels.
 inline constexpr float kSampleTurnPx = 0.125F;
-/// Samples of a pixel are of its nearest surface while their normals are within this cosine of that
-/// of the nearest sample, and their inverse depths at least this part of its own. The other ones
-/// are a surface of their own, lit by itself: the mean of two normals is that of neither.
+/// Samples belong to a pixel's nearest surface if their normals are within this cosine of the
+/// nearest sample's and their inverse depths at least kOneSurfacePart of its own. The others form a
+/// second surface with its own light: a mean normal would fit neither.
 inline constexpr float kOneSurfaceCosine = 0.9F;
 inline constexpr float kOneSurfacePart = 0.98F;
 
-// --- key: where votes decide
-/// Side of a block in pixels. The cpu back end counts a block's row of states as one 64-bit word.
+// --- key: blocks in which votes decide
+/// Side of a block, pixels. The cpu back end counts a block's row of states as one 64-bit word.
 inline constexpr int kBlockPx = 8;
-/// Least size of a person in ToF pixels; less is a speckle of depth noise.
+/// Least area of a person, ToF pixels; less is a speckle of depth noise.
 inline constexpr float kSpeckleTofPx = 6.0F;
-/// The same where more pixels around show what a mirror shows: a dark head in it has little depth,
-/// some of it too near by noise.
+/// Least area, ToF pixels, where more pixels around show a mirror's depth: a dark head in a mirror
+/// has few depth values, some of them too near by noise.
 inline constexpr float kMirrorSpeckleTofPx = 24.0F;
-/// What is unknown in a block is background where the 3x3 blocks around show what a mirror shows,
-/// at least this part of their foreground: hair and sleeves in a mirror have no depth, and look
-/// like people.
+/// Unknown pixels of a block are background where mirror pixels in the 3x3 blocks around are at
+/// least this part of the foreground there: hair and sleeves seen in a mirror have no depth and
+/// look like people.
 inline constexpr float kMirrorPart = 0.1F;
-/// Foreground is counted in the blocks within this radius, 5x5: a person's border that only touches
-/// a block is no speckle.
+/// Radius, blocks, in which foreground is counted (5x5), so that a person's border which only
+/// touches a block is no speckle.
 inline constexpr int kSpeckleBlocks = 2;
-/// Blocks within this radius of foreground are near it, 7x7: pixels without depth may be people
-/// there (dark hair).
+/// Radius, blocks, around foreground within which pixels without depth may be people, 7x7 (dark
+/// hair).
 inline constexpr int kNearBlocks = 3;
-/// Blocks within this radius of a border of the foreground are the band, 3x3: ToF depth is wrong by
-/// a few pixels there.
+/// Radius, blocks, around a border of the foreground that belongs to the band, 3x3: ToF depth is
+/// wrong by a few pixels there.
 inline constexpr int kBandBlocks = 1;
-/// A block of the band also compares with people's colour in the nearest block within this radius
-/// whose neighbours are all foreground: beside a border depth may lie over the room, and the mean
-/// of a shirt and trousers is neither.
+/// Radius, blocks, in which a band block looks for the nearest block whose neighbours are all
+/// foreground, to compare with people's colour there too: beside a border depth may lie over the
+/// room, and the mean of a shirt and trousers is neither.
 inline constexpr int kDeepBlocks = 3;
-/// Depth of people's pixels that have none of their own: foreground is looked for so far along rows
-/// and columns. Between two surfaces whose depths have this ratio lies what the ToF camera cannot
-/// see, where they are as far apart as the parallax says, times kFillShadow, and kFillSlackPx.
+/// Pixels, along rows and columns, in which foreground depth is looked for to fill people's pixels
+/// without depth. Where the two depths found have at least the ratio kFillRatio and lie at most
+/// kFillShadow times their parallax and kFillSlackPx apart, the ToF camera cannot see the place.
 inline constexpr int kFillReachPx = 24;
 inline constexpr float kFillShadow = 1.25F;
 inline constexpr float kFillSlackPx = 3.0F;
 inline constexpr float kFillRatio = 1.06F;
-/// A learned limit from here on means: no background depth, so depth cannot decide (doubt).
+/// Limits of the key from here on mean that the background has no depth there: depth cannot decide
+/// (doubt).
 inline constexpr float kNoLimitW = 1e30F;
-/// Of a camera that stands still: what is nearer than the background around such a place, by this
-/// factor of its limit, is foreground all the same (a mirror, glass, black things).
+/// Still camera: where the background has no depth (mirror, glass, black things), w above this
+/// factor of the limit around it is foreground.
 inline constexpr float kHolePart = 1.1F;
-/// And what is farther than it by this factor of that limit is background: who is seen in a mirror
-/// is no person there.
+/// Still camera: behind an unmeasured area, w below this factor of the limit around it is a
+/// reflection, and so background.
 inline constexpr float kBehindHole = 0.85F;
 
 // --- key: colour votes, in log odds
-/// Least standard deviation of a linear colour: camera noise in the dark...
+/// Least standard deviation of a linear colour, by camera noise.
 inline constexpr float kColorNoise = 0.004F;
-/// ...and flicker of light, as a part of the luminance.
+/// Standard deviation of a colour by flicker of light, as a part of the luminance.
 inline constexpr float kColorFlicker = 0.05F;
-/// A shadow darkens the background to this part at most; what is darker has another colour.
+/// The darkest shadow of the background, as a factor of its light; what is darker counts as another
+/// colour.
 inline constexpr float kDarkestShadow = 0.85F;
-/// Standard deviation of that darkening: at kDarkestShadow it counts as half of one.
+/// Standard deviation of the shadow's darkening: kDarkestShadow is half of one deviation.
 inline constexpr float kShadowSigma = 0.3F;
-/// Largest vote of one pixel's colour, a probability of 98 %: measured background outweighs it.
+/// Largest colour vote of a pixel, a probability of 98 %; measured background outweighs it.
 inline constexpr float kColorVoteCap = 4.0F;
-/// What is brighter than the learned background by this factor and this linear light is no shadow
-/// of a person: its vote for people may be larger, and outweighs measured background (white shoes
-/// on the floor, whose depths differ by less than the noise). On walk 7 (kinect2, 640x512) key_iou
-/// is 0.938 with a cap of 4, 0.942 with 6 and 8; with 6 for darker colours too 0.914.
+/// A colour brighter than the learned one by this factor and by kBrighterLight of linear light is
+/// no shadow, so its vote for people may reach kBrighterVoteCap and outweigh measured background
+/// (white shoes on the floor, whose depths differ by less than the noise). Darker colours keep the
+/// lower cap: they may be shadows.
 inline constexpr float kBrighter = 1.1F;
 inline constexpr float kBrighterLight = 0.02F;
 inline constexpr float kBrighterVoteCap = 6.0F;
-/// So it is with what no shade of the learned background explains: off its light times any factor
-/// from this on to 1 by so many variances (a grey sole on a red rug, whose measured depth is the
-/// rug's). With a factor of 0.5 the shadows of people are keyed.
+/// A colour that is no shadowed version of the background may use the larger cap too: for every
+/// factor from kDeepestShadow to 1 it is off the learned light by kOtherColor variances (a grey
+/// sole on a red rug, whose depth is the rug's). A factor of 0.5 would key the shadows of people.
 inline constexpr float kDeepestShadow = 0.3F;
 inline constexpr float kOtherColor = 16.0F;
-/// The same where the room's colour is that of the pixels around: a rougher guess. On walk 3 to 9
-/// (kinect2, 640x512) key_iou is 0.929 with 4, 0.931 with 2.5, 0.928 with 1.5.
+/// Largest colour vote where the room's colour is estimated from the pixels around, which is a
+/// rougher guess.
 inline constexpr float kRoomVoteCap = 2.5F;
-/// Three channels of half a log ratio of variances (normal densities).
+/// Weight of the log ratio of the standard deviations: half of a log ratio of variances for three
+/// channels of normal densities.
 inline constexpr float kSpreadOdds = 1.5F;
 
 // --- key: depth votes, in log odds
-/// Taps to either side, half a ToF footprint apart: 5x5 of them.
+/// Radius of the depth taps, half a ToF footprint apart: 5x5 of them.
 inline constexpr int kDepthTapRadius = 2;
-/// Measured people: they lag in ToF depth and reach over edges, so they count less. With 4 colour
-/// no longer wins where depth reaches over by more than a footprint (key_iou of talk 8 0.967 to
-/// 0.976, of edges 5 with sr3000 0.979 to 0.977).
+/// Weight of measured foreground: people lag in ToF depth and extend over edges, so colour may
+/// outvote it where depth is off by more than a footprint.
 inline constexpr float kForegroundWeight = 3.0F;
-/// But where people are measured all around, colours do not take them away by little: a shirt like
-/// the wall has no holes. All around are as many taps as above, half a block apart or this many ToF
-/// footprints, whichever is more; of them this share is people (one may show background). Most of
-/// 3x3 colours must be people's by more than these log odds: those of a gap between two legs, which
-/// the ToF camera does not resolve, are less (seeds 5 and 8: people 90 % over -5.8, room under
-/// -7.6).
+/// Weight of foreground that is measured all around, where colour must not cut holes into a shirt
+/// that looks like the wall. The taps are half a block or kInsideFootprints apart, whichever is
+/// more, and kInsideShare of them must be people. Most of 3x3 colours must favour people by more
+/// than kInsideOdds: the colours of a gap between two legs, which the ToF camera does not resolve,
+/// are lower.
 inline constexpr float kInsideWeight = 6.0F;
 inline constexpr float kInsideFootprints = 2.5F;
 inline constexpr float kInsideShare = 0.95F;
 inline constexpr float kInsideOdds = -7.0F;
-/// Measured background is sure, while colour may be a shadow.
+/// Weight of measured background: depth is sure there, while colour may be a shadow.
 inline constexpr float kBackgroundWeight = 5.0F;
-/// What a tap without measurement counts as, between background 0 and foreground 1: a little less
-/// than even, so that holes alone do not become people.
+/// Value of a tap without measurement, between background 0 and foreground 1: below one half, so
+/// that holes alone do not become people.
 inline constexpr float kUnknownShare = 0.4F;
 
 // --- key: the matte is refined
 /// Side of a tile in ToF footprints, before it is rounded down to 1, 2 or 4 pixels.
 inline constexpr float kMatteTileFootprints = 1.6F;
-/// Tiles to either side in which the matte is a line of the colour, 5x5 of them.
+/// Radius, tiles, of the window in which the matte is fitted as a line of the colour, 5x5.
 inline constexpr int kMatteWindowTiles = 2;
-/// Variance of square roots of linear light up to which colours are alike, and the line is flat.
+/// Ridge of that fit: variance of square roots of linear light up to which colours count as alike
+/// and the line is flat.
 inline constexpr float kMatteSpread2 = 2e-4F;
-/// The line is made steeper around one half: least squares leave a veil on both sides of a border.
+/// Slope factor of the matte around one half: least squares leave a veil on both sides of a border.
 inline constexpr float kMatteGain = 1.25F;
 
-// --- key: the matte by both colours, where people's and background's differ enough
-/// Standard deviation of a pixel about its share of two colours: noise, and part of the luminance.
+// --- key: the matte from both colours, where those of people and background differ enough
+/// Standard deviation of a pixel about its mixture of two colours: kShareNoise, plus kSharePart of
+/// its luminance.
 inline constexpr float kShareNoise = 0.01F;
 inline constexpr float kSharePart = 0.1F;
-/// The share counts by half where the colours are as many deviations apart.
+/// The share by colours counts by half where the colours are this many standard deviations apart.
 inline constexpr float kShareApart = 4.0F;
-/// Background that is darker by no more than this may be in the shadow of people, and tells no
-/// share: of people's colour counts what it differs from the most alike of these.
+/// Darkest shadow of the background, as a factor of its light, that the share allows for: people's
+/// colour is compared with the most alike of these shades.
 inline constexpr float kShareShadow = 0.4F;
-/// Least part of a window that people fill.
+/// Least part of a window that people must fill for a share by colours.
 inline constexpr float kShareLeast = 0.02F;
 
 // --- light
-/// Side of a tile in pixels: people's light is found once a tile, no ToF camera sees finer.
+/// Side of a tile, pixels: people's light is found once a tile, since no ToF camera resolves finer.
 inline constexpr int kLightTilePx = 4;
-/// Taps of the search for shadow casters, and of the shadow filter: the filter's steps of 1/24 are
-/// what is seen, the search needs only a mean depth. Cost grows with both.
+/// Taps that search for shadow casters, and taps of the shadow filter: the filter's steps of 1/24
+/// are visible, the search needs only a mean depth. Cost grows with both.
 inline constexpr int kBlockerTapCount = 12;
 inline constexpr int kShadowTapCount = 24;
-/// The same of one of the four parts of a panel.
+/// Taps of the search and of the filter for one of the four parts of a panel.
 inline constexpr int kPartBlockerTapCount = 6;
 inline constexpr int kPartShadowTapCount = 8;
 /// Texels by which a receiver is lifted along its normal off its own shadow.
 inline constexpr float kLiftTexels = 2.0F;
-/// Of a ray of a lamp and the normal of what it lights: planes of surfaces count as no steeper.
+/// Largest cosine between a lamp's ray and the normal of the lit surface that its plane is computed
+/// with (negative: facing the lamp).
 inline constexpr float kSteepestCosine = -0.1F;
-/// Texels: a filter is never narrower.
+/// Least radius of a shadow filter, texels.
 inline constexpr float kLeastRadiusTexel = 1.0F;
-/// Square metres: nothing is lit from nearer than a millimetre.
+/// Least squared distance between lamp and surface, square metres: a millimetre.
 inline constexpr float kLeastDistance2 = 1e-6F;
-/// ToF footprints to either side over which a person's normal is measured.
+/// Distance, ToF footprints to either side, over which a person's normal is measured.
 inline constexpr float kNormalFootprints = 2.0F;
-/// Most lamps of the gles back end: 4.5 KiB of the 16 KiB that every driver's uniform block has.
+/// Most lamps of the gles back end: they take 4.5 KiB of the 16 KiB that every driver's uniform
+/// block has.
 inline constexpr int kMostLamps = 32;
 
-// --- light: what objects hide of the ambient light (contact_shade.h)
-/// Cells of an object's grid along an axis: within its box, and beyond it on each side.
+// --- light: ambient light that objects hide (contact_shade.h)
+/// Cells of an object's grid along an axis: within its box, and beyond it on each side;
+/// kContactNodes are the grid points.
 inline constexpr int kContactInside = 19;
 inline constexpr int kContactOutside = 6;
 inline constexpr int kContactNodes = 32;
-/// Share of the light of an object's sides that real surfaces get. It is below 1 because the
-/// shadows on these sides are not known.
+/// Part of the light of an object's sides that a real surface receives: the sides' own shadows are
+/// not known (docs/method/light.md).
 inline constexpr float kSentPart = 0.5F;
-/// Most objects with such a grid: OpenGL ES has 3D textures of 256 layers.
+/// Most objects with such a grid: OpenGL ES guarantees 256 layers of 3D textures.
 inline constexpr int kMostContacts = 8;
 
 // --- light: gloss, and ambient light by direction
-/// Spherical harmonics of second order: 1 + 3 + 5.
+/// Terms of spherical harmonics up to second order: 1 + 3 + 5.
 inline constexpr int kAmbientTermCount = 9;
-/// What a diffuse surface keeps of the first and second order (Ramamoorthi and Hanrahan 2001).
+/// Factors of the first and second order in diffuse reflection (Ramamoorthi and Hanrahan 2001).
 inline constexpr float kDiffuseBand1 = 0.6666667F;
 inline constexpr float kDiffuseBand2 = 0.25F;
-/// A dielectric mirrors this share at right angles (glTF 2.0, appendix B).
+/// Reflectance of a dielectric at normal incidence (glTF 2.0, appendix B).
 inline constexpr float kDielectric = 0.04F;
-/// What is smoother is drawn so: normals have 8 bits, and a lobe must not be narrower than their
-/// steps.
+/// Smoother surfaces are drawn with this roughness: normals have 8 bits, and a lobe must not be
+/// narrower than their steps.
 inline constexpr float kLeastRoughness = 0.2F;
 
 // --- shadow: people
-/// Metres: half of a person's thickness is at most this, and at most half of the silhouette.
+/// Metres: largest radius of a ball that stands for a part of a person, whose radius is at most its
+/// distance to the silhouette too.
 inline constexpr float kPeopleRadiusM = 0.12F;
-/// Blocks: a ball is never smaller, so that those of neighbouring blocks leave no gap.
+/// Least radius of a ball in blocks, so that balls of neighbouring blocks leave no gap.
 inline constexpr float kLeastBallBlocks = 0.71F;
-/// Metres: of blocks that are smaller every second one along both axes has a ball, for all four.
+/// Metres: where blocks are smaller, every second one along both axes has a ball for all four.
 inline constexpr float kSmallBlockM = 0.025F;
-/// Metres: what differs by more in depth is another surface.
+/// Metres: points that differ more in depth are different surfaces.
 inline constexpr float kPeopleStepM = 0.3F;
-/// Blocks in which the silhouette is looked for, at most: people nearer than a metre cast thinner
-/// shadows.
+/// Largest radius, blocks, in which the silhouette is searched: people nearer than a metre cast
+/// thinner shadows.
 inline constexpr int kMostBallBlocks = 16;
 
 // --- background
-/// Faces of a background model: those of a cube.
+/// Most faces of a background model: those of a cube.
 inline constexpr int kMostFaces = 6;
 
 // --- mix
-/// Metres: an object this far behind the background still touches it; noise of the learned depth.
+/// Metres: an object up to this far behind the background still touches it, because the learned
+/// depth is noisy.
 inline constexpr float kContactSlackM = 0.02F;
 
 // --- look (picture_look.h)
-/// Texels: the grain repeats after so many, a power of two.
+/// Period of the grain table along each axis, texels; a power of two.
 inline constexpr int kGrainTexels = 256;
-/// Standard deviations that a byte of the grain reaches.
+/// Standard deviations that the largest byte of the grain table stands for.
 inline constexpr float kGrainSigmas = 3.5F;
-/// Taps of the lens's blur to either side.
+/// Taps of the lens blur to either side.
 inline constexpr int kBlurReach = 2;
-/// Pixels: shorter ways over the exposure blur nothing that is seen; longer ones are cut, so that
-/// samples are at most 2 px apart.
+/// Pixels of motion over the exposure: less than kLeastMotionPx is not drawn, more than
+/// kMostMotionPx is cut, so that samples are at most 2 px apart.
 inline constexpr float kLeastMotionPx = 0.3F;
 inline constexpr float kMostMotionPx = 48.0F;
-/// Samples of the exposure.
+/// Most samples of the exposure.
 inline constexpr int kMostMotionSamples = 24;
 
 // --- focus
-/// Pixels: discs of this radius and less are one pixel.
+/// Pixels: discs of up to this radius are drawn as one pixel.
 inline constexpr float kFocusSharpPx = 0.6F;
-/// Of 1/z: neighbours that are nearer to each other are one surface.
+/// Relative difference of 1/z up to which neighbours are one surface.
 inline constexpr float kFocusOneSurface = 0.06F;
-/// Pixels: or those whose discs differ by less in radius.
+/// Pixels: neighbours whose disc radii differ by less are one surface too.
 inline constexpr float kFocusSameBlurPx = 0.75F;
-/// A layer with a smaller share of a pixel is empty.
+/// A layer that covers less than this share of a pixel counts as empty.
 inline constexpr float kFocusNoLight = 1e-5F;
-/// Pixels: the fast rung takes every second tap from twice this radius, every third from three
-/// times.
+/// Pixels: with Focus::fast every second tap is taken from twice this disc radius on, every third
+/// from three times.
 inline constexpr int kFocusFastFromPx = 5;
-/// Steps a pixel of the table of disc areas.
+/// Steps a pixel of the radius in the table of disc areas.
 inline constexpr int kFocusAreaSteps = 16;
-/// Pixels of a tile: of the rows of it one greatest disc is known.
+/// Size in pixels of a tile, for which the largest disc is known.
 inline constexpr int kFocusTileWide = 32;
 inline constexpr int kFocusTileHigh = 8;
 
-// exposure: pieces of the curve of the camera's tones, and the end of the first one. Knots double.
+// --- exposure: pieces of the camera's tone curve, and the end of the first one; later ends double.
 inline constexpr int kTonePieces = 6;
 inline constexpr float kToneFirstKnot = 0.03125F;
 

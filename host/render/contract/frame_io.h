@@ -7,15 +7,16 @@
 
 namespace mixrig::render {
 
-/// Errors: kData for pictures of a wrong size and a pose that is not finite, kUsage for what the
-/// setup is not made for. `imports`: the plate is read in place, where the frame has it so.
+/// Checks a frame against the setup. `imports`: the plate is read in its camera's memory where the
+/// frame has it there. Errors: kData for pictures of a wrong size and values that are not finite,
+/// kUsage for what the setup was not made for.
 Result<void> check_frame(const FrameInput& input, const Tables& tables, bool imports = false);
 
-/// Wanted images and those that they are made from: the matte decides the states. A composite that
-/// is to stay in the GPU's memory, but cannot, is a colour.
+/// Adds to `wanted` the images that others are made from: kState needs the matte. Without a shared
+/// GPU context kGpuColor becomes kColor.
 OutputMask with_needed(OutputMask wanted, bool shares_gpu);
 
-/// Calls visit(bit, image of a, image of b) for each image of two frames.
+/// Calls visit(bit, image of a, image of b) for each kind of image.
 template <typename A, typename B, typename Visit>
 void for_each_image(A& a, B& b, Visit&& visit) {
   visit(kColor, a.color, b.color);
@@ -29,20 +30,20 @@ void for_each_image(A& a, B& b, Visit&& visit) {
   visit(kAlpha, a.alpha, b.alpha);
 }
 
-/// Gives the images of `which` the view's size; allocates only where they have another.
+/// Gives the images of `which` the view's size; allocates only where the size differs.
 void size_outputs(Size view_size, OutputMask which, FrameOutput& output);
-/// Moves the wanted images from `from` to `to`, which gives its own in exchange.
+/// Swaps the wanted images of `from` into `to`, so that `from` gets the buffers of `to`.
 void deliver(FrameOutput& from, FrameOutput& to);
 
-/// Passes of a frame that are skipped where no wanted image depends on them.
+/// Which passes a frame runs: those that a wanted image depends on.
 struct NeededPasses {
   bool key = false, light = false, mix = false;
 };
-/// `has_objects`: the frame shows any.
+/// `has_objects`: the frame shows at least one object.
 NeededPasses needed_passes(OutputMask wanted, bool has_objects, const CompositorSetup& setup);
 
-/// Turns measured states into decided ones. The border of people is edge, the matte decides the
-/// rest.
+/// Replaces measured states by decided ones, in place: matte 255 is foreground, a partial matte is
+/// edge; elsewhere unknown stays unknown and all else is background.
 void decide_states(const Image<std::uint8_t>& matte, Image<std::uint8_t>& state);
 
 }  // namespace mixrig::render

@@ -9,22 +9,23 @@
 
 namespace mixrig::render {
 
-/// First in, first out; the slots are kept, so that their memory is used again. With one frame in
-/// flight at a time it is always the same slot.
+/// A queue of frames, first in, first out. Slots are kept and their memory is reused; with one
+/// frame in flight at a time it is always the same slot.
 template <typename Slot>
 class InFlight {
  public:
   int count() const { return count_; }
-  /// The slot of the next frame. Errors: kUsage for more than Compositor::kMostInFlight.
+  /// Returns the slot of the next frame. Errors: kUsage for more than Compositor::kMostInFlight.
   Result<Slot*> push() {
     if (count_ == Compositor::kMostInFlight)
       return Error{ErrorCode::kUsage,
                    "compositor: two frames are in flight already: collect one first"};
     return &slots_[static_cast<std::size_t>((first_ + count_++) % Compositor::kMostInFlight)];
   }
-  /// Takes back the last push(): its frame failed.
+  /// Undoes the last push(), whose frame failed.
   void drop_last() { --count_; }
-  /// The slot of the oldest frame; valid until the next push(). Errors: kUsage where there is none.
+  /// Returns the slot of the oldest frame; valid until the next push(). Errors: kUsage where there
+  /// is none.
   Result<Slot*> pop() {
     if (count_ == 0)
       return Error{ErrorCode::kUsage, "compositor: no frame is in flight: submit one first"};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// One parameter struct a pass, shared by both back ends; docs/method/compositor.md
-// describes the passes.
-// Lengths in metres, "camera" means the target camera's axes (x right, y down, z forward).
+// One parameter struct a pass, shared by both back ends; docs/method/compositor.md describes the
+// passes. Lengths are in metres; "camera" means the target camera's axes (x right, y down, z
+// forward).
 #pragma once
 
 #include <algorithm>
@@ -32,8 +32,8 @@ inline NoiseParams noise_params(const geometry::DepthNoise& noise) {
           static_cast<float>(noise.quadratic_per_m)};
 }
 
-/// Tap i of n on a panel that reaches from -1 to 1 along both axes: a Fibonacci lattice, no two of
-/// which hide behind each other.
+/// Place of tap i of n on a panel that spans -1 to 1 along both axes: a Fibonacci lattice, in which
+/// no two taps share a coordinate.
 inline glm::vec2 panel_tap(int i, int n) {
   const float along = (static_cast<float>(i) + 0.5F) / static_cast<float>(n);
   const float across = 0.61803399F * (static_cast<float>(i) + 0.5F);
@@ -46,13 +46,14 @@ std::array<glm::vec2, kTaps> panel_taps() {
   return taps;
 }
 
-/// Pinhole as shaders take it.
+/// Pinhole in single precision, as shaders take it.
 struct PinholeParams {
   glm::vec2 focal_px{1};
   glm::vec2 center_px{0};
 };
 
-/// Distance to z, flying pixels out, cuts at depth steps. ToF resolution.
+/// Pass correct, at ToF resolution: distances become z, flying pixels are removed, links are cut at
+/// depth steps.
 struct CorrectParams {
   bool depth_is_distance = false;
   NoiseParams noise = noise_params({});
@@ -60,34 +61,36 @@ struct CorrectParams {
   float step_min_m = 0.04F;      ///< and at least this
   float step_bends = 6.0F;       ///< or this many mean bends: noise on dark surfaces
   float bends_part = kSteepest;  ///< largest part of the depth that the bends make of it
-  /// Pixels of a stray piece at one metre, at most: at z they are this / z^2. 0: none is looked for.
+  /// Pixels of a stray piece at one metre, at most: at z they are this / z^2. 0: none is looked
+  /// for.
   float stray_px_m2 = 0;
 };
 
-/// ToF grid to view as a mesh.
+/// Pass warp: draws the ToF grid into the view as a mesh.
 struct WarpParams {
   glm::mat4 camera_from_tof{1};
   PinholeParams view;
   float open_reach = kOpenReach, shut_reach = kShutReach;
-  /// At a step, pixels that saw both surfaces, or nothing, tell where its border lies.
+  /// Whether ToF pixels at a step that saw both surfaces, or nothing, refine the place of the
+  /// border.
   bool mixed_pixels = true;
 };
 
-/// A depth camera's surfaces against what another one measured there.
+/// Pass agree: compares a depth camera's surfaces with the measurements of another depth camera.
 struct AgreeParams {
   glm::mat4 other_from_tof{1};
-  PinholeParams other;  ///< the other one's picture without its lens
-  float px_per_px = 1;  ///< pixels of the other one's picture a pixel of that
+  PinholeParams other;  ///< the other camera's picture without lens distortion
+  float px_per_px = 1;  ///< pixels of the other camera's picture a pixel of this one's
   NoiseParams noise, other_noise;
 };
 
-/// Pixels, along x and y, that a point moves against one behind it when seen from the ToF camera,
-/// for each 1/m between their inverse depths: so wide is what the nearer one hides from it.
+/// Parallax between ToF camera and view along x and y, in pixels for each 1/m of difference of
+/// inverse depth: the width of what a nearer surface hides from the ToF camera.
 inline glm::vec2 parallax_px_m(const WarpParams& p) {
   return glm::abs(glm::vec2(p.camera_from_tof[3]) * p.view.focal_px);
 }
 
-/// Virtual objects: one draw per mesh.
+/// Pass virtual: parameters of one mesh's draw.
 struct VirtualParams {
   glm::mat4 camera_from_object{1};
   glm::mat3 camera_from_object_normal{1};
@@ -95,45 +98,48 @@ struct VirtualParams {
   PinholeParams view;
 };
 
-/// A lamp in camera axes with its shadow map; map texel = focal * x/z + center, z along axis.
+/// A lamp in camera axes with its shadow map. A point at (x, y, z) in the lamp's axes lies at texel
+/// focal * (x, y) / z + center.
 struct LampParams {
   glm::vec3 position_m{0};
-  glm::vec3 direction{0};  ///< zero for all directions
-  float radius_m = 0;      ///< of a disc of the panel's area
-  /// From its middle to those of its sides, in radii, axes of the lamp's map.
+  glm::vec3 direction{0};  ///< zero: it shines in all directions
+  float radius_m = 0;      ///< radius of a disc of the panel's area
+  /// Vectors from the panel's centre to the middles of its sides, in units of radius_m, in the axes
+  /// of the lamp's map.
   glm::vec3 panel_u{1, 0, 0}, panel_v{0, 1, 0};
   glm::vec3 intensity{1};
   glm::mat4 lamp_from_camera{1};
   float map_focal_texel = 1;
   float map_center_texel = 0;
   int map_size_texel = 0;    ///< 0: this lamp casts no shadow into the view
-  float casters_near_m = 0;  ///< lamp z of the nearest caster: what is nearer is lit
-  int room_layer = -1;       ///< of RoomShade; -1: nothing real hides the lamp
-  int part_of = 0;           ///< which of geometry::Light::lamps it is, or belongs to
-  bool is_part = false;      ///< a quarter of a panel
+  float casters_near_m = 0;  ///< lamp z of the nearest caster; nearer points are lit
+  int room_layer = -1;       ///< layer of RoomShade; -1: nothing real hides the lamp
+  int part_of = 0;           ///< index of the lamp in geometry::Light::lamps
+  bool is_part = false;      ///< true: a quarter of a panel
 };
 
-/// RoomShade in camera axes: cell = cell_from_camera * p.
+/// RoomShade in camera axes: a camera point p lies at cell coordinates cell_from_camera * p.
 struct RoomShadeParams {
   glm::mat4 cell_from_camera{1};
   glm::ivec3 cells{0};
-  float lift_m = 0;  ///< of a receiver along its normal
+  float lift_m = 0;  ///< receivers are moved by this along their normal
 };
 
-/// A ContactShade in this frame.
+/// A ContactShade, placed in this frame's camera axes.
 struct ContactParams {
   glm::mat4 object_from_camera{1};
   glm::vec3 low_m{0}, high_m{0};
   float reach_m = 0;
-  /// Light of the object's sides x, y, z, -x, -y, -z on what they hide ambient light from.
+  /// Light that the object's sides x, y, z, -x, -y, -z send to places from which they hide ambient
+  /// light.
   std::array<glm::vec3, 6> sent{};
 };
 
-/// Light map of real surfaces, shading of virtual ones.
+/// Pass light: light map of real surfaces, shading of virtual ones.
 struct LightParams {
   glm::vec3 ambient{0};
   float exposure = 1;
-  bool by_direction = false;  ///< on objects: these AmbientTerms instead of `ambient`
+  bool by_direction = false;  ///< objects use `ambient_terms` instead of `ambient`
   std::array<glm::vec3, kAmbientTermCount> ambient_terms{};
   glm::mat3 world_from_camera{1};
 };
@@ -142,24 +148,25 @@ struct LightParams {
 enum class KeyBy : std::uint8_t {
   kNothing,     ///< nobody is keyed
   kBackground,  ///< Tables::key_limit_w
-  kVolume,      ///< the capture volume alone: everything in it over its floor
+  kVolume,      ///< the capture volume alone: everything inside it above its floor
 };
 
-/// Depth key with doubt decided by colour.
+/// Pass key: depth decides, colour where depth is in doubt.
 struct KeyPassParams {
   KeyBy by = KeyBy::kNothing;
   bool color = true;
-  bool refine = true;  ///< the matte follows the plate's edges; needs color
+  bool refine = true;  ///< the matte follows the plate's edges; needs `color`
   bool crop = false;
   glm::mat4 world_from_camera{1};
   glm::vec3 crop_min_m{0}, crop_max_m{0};
-  glm::vec3 floor_w{0};  ///< kVolume: floor's inverse depth, 1/m, is its product with (x/z, y/z, 1)
-  NoiseParams noise;     ///< kVolume: of a measurement
+  /// For kVolume: the floor's inverse depth is its dot product with (x/z, y/z, 1), 1/m.
+  glm::vec3 floor_w{0};
+  NoiseParams noise;  ///< kVolume: of one depth value
   float noise_factor = 4;
 };
 
-/// Inverse depth from which on a ray (x/z, y/z, 1) shows something over the floor; 0 where it does
-/// not meet the floor.
+/// Least inverse depth (1/m) at which a point on the ray (x/z, y/z, 1) lies above the floor by more
+/// than the noise; 0 where the ray does not meet the floor.
 inline float volume_limit_w(const KeyPassParams& p, const glm::vec3& ray) {
   const float w = glm::dot(p.floor_w, ray);
   if (!(w > 1 / kFarthestM)) return 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values of Eigen as the shaders and the lanes of the cpu take them, and back.
+// Conversions between Eigen's and glm's vectors and matrices.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the camera shows now of light that it showed otherwise when the background was learned.
+// How the camera's tones differ from those it had when the background was learned.
 #pragma once
 
 #include <array>
@@ -10,20 +10,20 @@
 
 namespace mixrig::render {
 
-/// Linear light to linear light, a channel at a time: straight pieces between 0 and knots that
-/// double from kToneFirstKnot on; the last piece has no end. A camera that only changes its gain
-/// has one slope. Those that compress bright light (most with automatic exposure) brighten dark
-/// places more than bright ones.
+/// Maps learned linear light to the light of the plate, a channel at a time: straight pieces
+/// between 0 and knots that double from kToneFirstKnot on; the last piece has no end. A camera that
+/// only changes its gain has one slope. Cameras that compress bright light (most with automatic
+/// exposure) brighten dark places more than bright ones.
 struct ToneCurve {
   glm::vec3 gain{1};                              ///< of most of the picture
-  bool bends = false;                             ///< else all slopes are the gain
+  bool bends = false;                             ///< false: every slope equals the gain
   std::array<glm::vec3, kTonePieces> slope = {};  ///< each 0 or more
 
   ToneCurve() : ToneCurve(glm::vec3(1)) {}
   explicit ToneCurve(const glm::vec3& of_all) : gain(of_all) { slope.fill(of_all); }
 
-  /// `light` of one channel, or the channels as a vector type. T is float or a register of them;
-  /// `least` is min() of two of them, `most` max().
+  /// The curve at `light` of one channel, or of all channels as a vector type. T is a float or a
+  /// register of floats; `least` is min() of two of them, `most` max().
   template <typename T, typename Least, typename Most>
   T at(const T& light, int channel, Least least, Most most) const {
     T sum = slope[0][channel] * least(light, T{} + kToneFirstKnot);

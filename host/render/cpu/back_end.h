@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one door between this module's code, compiled for one level of the processor, and all else.
+// The only interface between this module's code, compiled for one processor level, and its callers.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace mixrig::render {
 
-/// Changes where a level's compiler lays out what passes the door in another way.
+/// A number that differs if a level's compiler lays out the types of this interface differently.
 constexpr std::size_t door_layout() {
   std::size_t layout = 0;
   for (const std::size_t n :
@@ -21,11 +21,11 @@ constexpr std::size_t door_layout() {
   return layout;
 }
 
-/// The room compiled for one level.
+/// The back end as compiled for one processor level.
 struct CpuBackEnd {
   std::size_t layout;  ///< door_layout()
   Result<std::unique_ptr<Compositor>> (*make)(const CompositorSetup&, int threads);
-  std::string (*vectors)();  ///< as cpu_vectors()
+  std::string (*vectors)();  ///< the function cpu_vectors()
 };
 
 }  // namespace mixrig::render
@@ -34,9 +34,10 @@ struct CpuBackEnd {
 #define MIXRIG_CPU_BACK_END mixrig_cpu
 #endif
 
-// Without names of C++, so that the link step of a level can name what it keeps (MixrigCpuLevels).
+// C linkage, so that the link step of a level can name the symbols that it keeps (MixrigCpuLevels).
 extern "C" {
-extern const mixrig::render::CpuBackEnd MIXRIG_CPU_BACK_END;  ///< for the level of the build
+/// Compiled for the level of the build.
+extern const mixrig::render::CpuBackEnd MIXRIG_CPU_BACK_END;
 #ifdef MIXRIG_CPU_LEVELS
 extern const mixrig::render::CpuBackEnd mixrig_cpu_x86_64_v3, mixrig_cpu_x86_64_v4;
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixels of a row as a register for each channel.
+// Colours of neighbouring pixels in registers, one register a channel.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,7 @@ inline FloatLanes dot(const ColorLanes& a, const ColorLanes& b) {
   return a.r * b.r + a.g * b.g + a.b * b.b;
 }
 
-/// Learned light as the camera shows it now, as far as white.
+/// Learned light mapped by the current tone curve, at most 1.
 inline ColorLanes shown_now(const ToneCurve& tone, const ColorLanes& learned) {
   constexpr FloatLanes kOne = FloatLanes{} + 1;
   if (!tone.bends)
@@ -39,7 +39,8 @@ inline ColorLanes shown_now(const ToneCurve& tone, const ColorLanes& learned) {
           min(tone.at(learned.b, 2, least, most), kOne)};
 }
 
-/// Calls read(pixels) with the kLanes pixels from x on; beyond the row's ends those at its ends.
+/// Calls read(pixels) with the kLanes pixels from x on; places beyond the row repeat its end
+/// pixels.
 template <typename T, typename Read>
 auto read_lanes(const T* row, int x, int width, Read&& read) {
   if (x >= 0 && x + kLanes <= width) return read(row + x);
@@ -58,7 +59,7 @@ inline ColorLanes color_lanes(const Rgbx16* from) {
 }
 
 namespace detail {
-/// Every third of a, b and c from kFirst on.
+/// Every third element of a, b and c in sequence, from kFirst on.
 template <int kFirst, std::size_t... i>
 FloatLanes third(FloatLanes a, FloatLanes b, FloatLanes c, std::index_sequence<i...>) {
   constexpr auto at = [](std::size_t k) { return kFirst + 3 * static_cast<int>(k); };
@@ -77,7 +78,7 @@ inline ColorLanes color_lanes(const Rgbf* from) {
           detail::third<2>(a, b, c, kAll)};
 }
 
-/// As read_lanes.
+/// Colours of the kLanes pixels from x on, by read_lanes().
 template <typename T>
 ColorLanes color_lanes(const T* row, int x, int width) {
   return read_lanes(row, x, width, [](const T* from) { return color_lanes(from); });

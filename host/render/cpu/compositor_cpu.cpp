@@ -62,23 +62,23 @@ class CpuCompositor final : public Compositor {
   Tables tables_;
   FramesOfSetup frames_;
   LensFollower lens_;
-  const FramePreparer* frame_ = &frames_.with_objects();  ///< of this frame
+  const FramePreparer* frame_ = &frames_.with_objects();  ///< preparer of this frame
   std::unique_ptr<MovingBackground> moving_background_;
-  const FramePreparer* background_by_ = nullptr;  ///< its frame when it was last drawn
+  const FramePreparer* background_by_ = nullptr;  ///< preparer when the background was last drawn
   BackgroundView background_;                     ///< of the setup, or of moving_background_
   ExposureMeter meter_;
   TofGrid grid_;
   WarpScratch warp_scratch_;
-  std::optional<SecondDepth> second_depth_;  ///< of a rig with two depth cameras
+  std::optional<SecondDepth> second_depth_;  ///< with two depth cameras
   PeopleKey people_key_;
   PlateScratch plate_scratch_;
   Image<Rgbx16> plate_;
   Image<float> view_w_;
-  /// Where there are any; those of frames_.hidden().
+  /// Virtual things of all objects, and those of frames_.hidden(); empty if there are none.
   std::optional<VirtualThings> all_things_, set_things_;
   VirtualThings* things_ = nullptr;  ///< of this frame
   FocusScratch focus_scratch_;
-  Image<std::uint8_t> matte_;  ///< where it is not wanted
+  Image<std::uint8_t> matte_;  ///< used if the matte is not wanted
   struct Frame {
     FrameOutput output;
     StageTimes times{};
@@ -142,7 +142,8 @@ void CpuCompositor::draw(const FrameInput& input, OutputMask wanted, FrameOutput
   if (focuses) output.wanted |= kMixedDepth;
   follow(input);
   const NeededPasses needed = needed_passes(output.wanted, things_ != nullptr, setup_);
-  const bool own_matte = needed.key && !(output.wanted & kMatte);  // the key writes it
+  // The key needs an image to write.
+  const bool own_matte = needed.key && !(output.wanted & kMatte);
   if (own_matte) std::swap(matte_, output.matte);
   size_outputs(tables_.view_size, needed.key ? output.wanted | kMatte : output.wanted, output);
   if (all_things_) all_things_->take_look(input);
@@ -153,7 +154,7 @@ void CpuCompositor::draw(const FrameInput& input, OutputMask wanted, FrameOutput
   watch.lap(Stage::kUpload);
 
   people_key_.follow(crew_, input, plate_);
-  // What is mixed is drawn over it; where the real background is replaced, mix draws all.
+  // Mix draws over the plate; where the real background is replaced, mix draws everything.
   const bool shows_plate = (output.wanted & kColor) && needed.mix && !setup_.backdrop;
   draw_plate(crew_, input.plate, plate_scratch_, plate_, shows_plate ? &output.color : nullptr);
   watch.lap(Stage::kPlate);
@@ -179,7 +180,7 @@ void CpuCompositor::draw(const FrameInput& input, OutputMask wanted, FrameOutput
   watch.lap(Stage::kReadback);
 }
 
-/// What depends on the lens is made again where it has moved, and only there.
+/// Rebuilds what depends on the lens, only if it has moved.
 void CpuCompositor::follow(const FrameInput& input) {
   const bool moved = lens_.follow(input.lens, setup_, tables_);
   if (moved) {
@@ -196,7 +197,7 @@ void CpuCompositor::follow(const FrameInput& input) {
   things_ = things ? &*things : nullptr;
 }
 
-/// Passes correct, agree and warp.
+/// Runs passes correct, agree and warp.
 void CpuCompositor::draw_depth(const FrameInput& input, StopWatch& watch) {
   const bool two = second_depth_ && !input.tof2_depth_m.empty();
   if (two)
@@ -217,7 +218,7 @@ Result<void> CpuCompositor::collect(FrameOutput& output) {
   return {};
 }
 
-/// The matte and people's depth.
+/// Computes the matte and people's depth.
 void CpuCompositor::key_people(const FrameInput& input, const ToneCurve& tone,
                                Image<std::uint8_t>& matte) {
   people_key_.key(crew_, input.depth_delay_s,
@@ -230,7 +231,7 @@ MovingBackground* CpuCompositor::colors_of_key() const {
   return any ? moving_background_.get() : nullptr;
 }
 
-/// Places of a row that lie evenly apart together.
+/// Draws the colours of places, evenly spaced ones of a row together.
 void draw_colors_at(std::span<const ExposureMeter::Place> places, MovingBackground& background) {
   for (std::size_t i = 0, end = 0; i < places.size(); i = end) {
     const int x = places[i].view_x, y = places[i].view_y;
@@ -244,7 +245,7 @@ void draw_colors_at(std::span<const ExposureMeter::Place> places, MovingBackgrou
   }
 }
 
-/// Only where the camera moves; while the pose stays, so does the background.
+/// Draws the background of a moving camera, if the pose has changed.
 void CpuCompositor::draw_background(StopWatch& watch) {
   if (!moving_background_) return;
   if (std::exchange(background_by_, frame_) == frame_ && !frame_->params().pose_changed) return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of the levels that this program holds is used on this processor.
+// Chooses among the processor levels that this program contains.
 #include "host/render/cpu/back_end.h"
 #include "host/render/cpu/compositor_cpu.h"
 

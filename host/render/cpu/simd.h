@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Short vectors of the compiler (GCC and clang). None is wider than the registers of the target:
-// g++ expands wider comparisons element by element, and passes wider values by another ABI.
+// Short vectors of the compiler (GCC and clang). None is wider than the target's registers: g++
+// expands wider comparisons element by element, and passes wider values by another ABI.
 #pragma once
 
 #include <bit>
@@ -15,7 +15,8 @@
 
 namespace mixrig::render::cpu {
 
-/// 32-bit numbers in a register of the target. AVX alone has no integers of 32 bytes.
+/// Number of 32-bit values in a register of the target. AVX alone has no 32-byte integer
+/// operations.
 #if defined(__AVX512F__)
 inline constexpr int kLanes = 16;
 inline constexpr const char* kVectorName = "AVX-512";
@@ -36,16 +37,17 @@ inline constexpr const char* kVectorName = "none";
 using F4 = float __attribute__((vector_size(16)));
 using I4 = std::int32_t __attribute__((vector_size(16)));
 using U16x4 = std::uint16_t __attribute__((vector_size(8)));
-/// A register of the target. Comparisons of FloatLanes give IntLanes: -1 true, 0 false.
+/// A register of floats, and of integers. Comparisons of FloatLanes give IntLanes: -1 true, 0
+/// false.
 using FloatLanes = float __attribute__((vector_size(4 * kLanes)));
 using IntLanes = std::int32_t __attribute__((vector_size(4 * kLanes)));
 
-/// A vector of each of kLanes points.
+/// A 3-vector for each of kLanes points.
 struct VectorLanes {
   FloatLanes x, y, z;
 };
 
-/// A byte a lane.
+/// One byte a lane.
 using ByteLanes = std::uint8_t __attribute__((vector_size(kLanes)));
 
 template <typename V>
@@ -59,7 +61,7 @@ void store(void* to, V v) {
   std::memcpy(to, &v, sizeof v);
 }
 
-/// As std::min and std::max: the first where neither is less, or where one is not a number.
+/// Minimum and maximum like std::min and std::max: the first where neither is less, or one is NaN.
 inline FloatLanes min(FloatLanes a, FloatLanes b) { return b < a ? b : a; }
 inline FloatLanes max(FloatLanes a, FloatLanes b) { return a < b ? b : a; }
 inline FloatLanes abs(FloatLanes f) {
@@ -70,7 +72,7 @@ inline FloatLanes sqrt(FloatLanes f) {
   for (int i = 0; i < kLanes; ++i) f[i] = std::sqrt(f[i]);
   return f;
 }
-/// 1 / f within 2^-22 of it; infinite or not a number for 0.
+/// 1 / f with a relative error of 2^-22; infinite or NaN for 0.
 inline FloatLanes inverse(FloatLanes f) {
 #if defined(__AVX512F__)
   const auto about = std::bit_cast<FloatLanes>(_mm512_rcp14_ps(std::bit_cast<__m512>(f)));
@@ -88,7 +90,7 @@ inline float least_of(FloatLanes f) {
   return least;
 #endif
 }
-/// Of four numbers.
+/// Minimum and maximum of vectors of four.
 inline F4 min4(F4 a, F4 b) { return b < a ? b : a; }
 inline F4 max4(F4 a, F4 b) { return a < b ? b : a; }
 inline float least_of4(F4 f) {
@@ -100,7 +102,7 @@ inline float sum(FloatLanes f) {
   for (int i = 0; i < kLanes; ++i) total += f[i];
   return total;
 }
-/// A bit a lane of a comparison.
+/// One bit a lane, set where a comparison is true.
 inline unsigned bits_of(IntLanes mask) {
 #if defined(__AVX512F__)
   const auto m = std::bit_cast<__m512i>(mask);
@@ -115,7 +117,7 @@ inline unsigned bits_of(IntLanes mask) {
 }
 /// Whether any lane of a comparison is true.
 inline bool any(IntLanes mask) { return bits_of(mask) != 0; }
-/// from[index] of each lane.
+/// Loads from[index] for each lane.
 inline FloatLanes gather(const float* from, IntLanes index) {
 #if defined(__AVX512F__)
   return std::bit_cast<FloatLanes>(
@@ -129,7 +131,7 @@ inline FloatLanes gather(const float* from, IntLanes index) {
   return out;
 #endif
 }
-/// The four bytes at from + offset of each lane.
+/// Loads the four bytes at from + offset for each lane.
 inline IntLanes gather_bytes(const void* from, IntLanes offset) {
 #if defined(__AVX512F__)
   return std::bit_cast<IntLanes>(_mm512_i32gather_epi32(std::bit_cast<__m512i>(offset), from, 1));
@@ -143,10 +145,10 @@ inline IntLanes gather_bytes(const void* from, IntLanes offset) {
   return out;
 #endif
 }
-/// Towards zero; the value must fit.
+/// Rounds towards zero; the value must fit.
 inline IntLanes truncate(FloatLanes f) { return __builtin_convertvector(f, IntLanes); }
 inline IntLanes to_int(ByteLanes bytes) { return __builtin_convertvector(bytes, IntLanes); }
-/// The lowest eight bits.
+/// The lowest eight bits of each lane.
 inline ByteLanes to_bytes(IntLanes i) { return __builtin_convertvector(i, ByteLanes); }
 
 namespace detail {
@@ -161,17 +163,17 @@ FloatLanes counted(std::index_sequence<i...>) {
 }
 }  // namespace detail
 
-/// Of the values of a and then b the one at kFirst and every kStep-th after it, as far as there are
-/// such; what follows has no meaning.
+/// Of the values of a and then b: the one at kFirst and every kStep-th after it, as far as they go;
+/// later lanes are unspecified.
 template <int kStep, int kFirst, typename V>
 V every(V a, V b) {
   return detail::every<kStep, kFirst>(a, b, std::make_index_sequence<kLanes>{});
 }
-/// 0, 1, 2, ...
+/// The lane numbers 0, 1, 2, ...
 inline FloatLanes lane_numbers() { return detail::counted(std::make_index_sequence<kLanes>{}); }
 
-/// Natural logarithm of positive normal numbers, within 2e-7 of it and of its size (the polynomial
-/// of Cephes' logf).
+/// Natural logarithm of positive normal numbers, with absolute and relative error of 2e-7 (the
+/// polynomial of Cephes' logf).
 inline FloatLanes log(FloatLanes f) {
   constexpr std::int32_t kRootOfHalf = 0x3F3504F3, kMantissa = 23;
   const IntLanes bits = std::bit_cast<IntLanes>(f);

@@ -8,7 +8,7 @@
 
 namespace mixrig::render::cpu {
 
-/// Adds wall time to stages, from one lap to the next.
+/// Adds wall time to stages, from one lap() to the next.
 class StopWatch {
  public:
   explicit StopWatch(StageTimes& times) : times_(times) { times_.fill(0); }

@@ -13,7 +13,7 @@ constexpr int kGridX = 64, kGridY = 48;
 constexpr float kDarkest = 0.01F, kBrightest = 0.9F;  // linear; beyond, noise or saturation
 constexpr std::size_t kLeastSamples = 60;
 constexpr float kMostGain = 8;
-// Of the curve: less than this is noise (natural logarithm), and places that a knot needs.
+// Tone curve: smaller deviations (natural logarithm) are noise; a knot needs kLeastAround places.
 constexpr float kStraight = 0.04F;
 constexpr std::size_t kLeastAround = 40;
 
@@ -27,7 +27,7 @@ glm::vec3 linear_of(Rgb8 c) {
   return {linear[c.r], linear[c.g], linear[c.b]};
 }
 
-/// Nearest plate pixel; none outside.
+/// Sets the nearest plate pixel of a place; negative if it lies outside.
 void put(const glm::vec2& at, Size plate, ExposureMeter::Place& place) {
   place.plate_x = place.plate_y = -1;
   if (!(at.x >= 0 && at.y >= 0)) return;
@@ -47,7 +47,7 @@ ExposureMeter::ExposureMeter(const Tables& tables, const BackgroundView& backgro
       const float gain = tables.plate_gain.empty() ? 1 : tables.plate_gain.row(y)[x];
       Place place{x, y, -1, -1, gain};
       put(at, plate, place);
-      // A lens that moves may see it later.
+      // If the lens moves, a place outside the plate may come into it later.
       if (place.plate_x >= 0 || tables.lens_moves) grid_.push_back(place);
     }
   samples_.reserve(grid_.size());
@@ -130,14 +130,14 @@ std::optional<glm::vec3> ExposureMeter::around_knot(float knot, const glm::vec3&
     if (light > knot * kHalfOctave || (light <= knot / kHalfOctave && !is_first)) continue;
     const glm::vec3 seen = seen_[i];
     if (glm::any(glm::lessThan(seen, glm::vec3(kDarkest)))) continue;
-    // White stays: the curve ends there, too.
+    // White clips: the curve ends there too.
     const glm::vec3 now = glm::min(s.gain * seen, 1.0F);
     ratios_.push_back({std::log(luminance(now) / light), now, s.learned});
   }
   if (ratios_.size() < kLeastAround) return std::nullopt;
   const Ratio most = densest_third();
   glm::vec3 ratio = glm::clamp(most.plate / (most.learned * gain), 1 / kMostGain, kMostGain);
-  // Tones do not differ where the exposure has not changed, and by no more than it has.
+  // Tones cannot differ by more than the exposure has changed.
   const float changed = std::abs(std::log(luminance(gain)));
   for (int c = 0; c < 3; ++c) {
     const float off = std::clamp(std::log(ratio[c]), -changed, changed);
@@ -160,7 +160,7 @@ ToneCurve ExposureMeter::curve(const RawPicture& plate) {
 
 ToneCurve ExposureMeter::curve_of_seen() {
   ToneCurve curve(gain_of_seen());
-  // Tones bend by what the exposure has changed beyond kStraight (around_knot).
+  // Tones bend at most by what the exposure has changed beyond kStraight (around_knot).
   if (std::abs(std::log(luminance(curve.gain))) <= kStraight) return curve;
   std::array<std::optional<glm::vec3>, kTonePieces> ratio;
   float knot = kToneFirstKnot;

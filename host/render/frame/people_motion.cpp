@@ -8,20 +8,24 @@
 namespace mixrig::render {
 namespace {
 
-constexpr int kAcross = 160;      ///< samples along a row of the view, about
-constexpr int kLeastShown = 4;    ///< of a cell's 16 that show people
-constexpr float kOneBody = 0.1F;  ///< neighbouring cells within this part of 1/z are one cluster
-constexpr float kStays = 0.85F;  ///< a motion must leave less than this of what standing still does
-constexpr float kBendCost = 1.0F;  ///< of 255, a sample that a cell moves off its cluster
+constexpr int kAcross = 160;    ///< about so many samples along a row of the view
+constexpr int kLeastShown = 4;  ///< least samples with people among the 16 of a cell
+/// Neighbouring cells whose 1/z differ by at most this part are one cluster.
+constexpr float kOneBody = 0.1F;
+/// A motion must reduce the difference below this part of that at rest.
+constexpr float kStays = 0.85F;
+/// Cost of a cell's motion for each sample off its cluster's, of 255.
+constexpr float kBendCost = 1.0F;
 constexpr int kMostClusters = 32;
-constexpr std::size_t kLeastCells = 6;  ///< smaller clusters stand still: wrong depth of the room
+/// Smaller clusters stand still: they are wrong depth of the room.
+constexpr std::size_t kLeastCells = 6;
 
-/// Of samples in rows with a margin.
+/// Pointer to the sample (x, y), past the margin.
 const float* light_at(const PeopleSamples& s, int x, int y) {
   return s.light.row(y + kMotionReach) + x + kMotionReach;
 }
 
-/// Place of the least of three values around the middle one, -0.5 .. 0.5.
+/// Sub-sample place, -0.5 .. 0.5, of the minimum of a parabola through three values.
 float least_between(float left, float middle, float right) {
   const float bend = left - 2 * middle + right;
   return bend > 0 ? std::clamp(0.5F * (left - right) / bend, -0.5F, 0.5F) : 0.0F;
@@ -56,7 +60,7 @@ const Image<glm::vec2>& ClusterMotion::find(const PeopleSamples& now, const Peop
   return motion_;
 }
 
-/// What cells hold of people.
+/// Mean inverse depth of people in each cell, where enough samples show them.
 void ClusterMotion::label(const PeopleSamples& now) {
   for (int y = 0; y < cells_.height; ++y)
     for (int x = 0; x < cells_.width; ++x) {
@@ -69,7 +73,7 @@ void ClusterMotion::label(const PeopleSamples& now) {
     }
 }
 
-/// The cells connected with one of them.
+/// Collects the cells connected with `from` into cluster_.
 void ClusterMotion::grow(Place from, std::uint8_t label) {
   cluster_.clear();
   cluster_.push_back(from);
@@ -89,8 +93,8 @@ void ClusterMotion::grow(Place from, std::uint8_t label) {
   }
 }
 
-/// By every fourth sample of the cluster. Shifts along a row lie side by side in the picture
-/// before, the last one first.
+/// Best shift by every fourth sample of the cluster. Shifts along a row lie side by side in the
+/// picture before, the last one first.
 glm::ivec2 ClusterMotion::best_of_cluster(const PeopleSamples& now, const PeopleSamples& before) {
   std::array<std::array<float, kSide>, kSide> costs{};
   for (const Place cell : cluster_)
@@ -131,7 +135,7 @@ void ClusterMotion::cost_of_cell(const PeopleSamples& now, const PeopleSamples& 
       const float light = *light_at(now, x, y);
       for (int k = 0; k < kLocal * kLocal; ++k) {
         const glm::ivec2 d = around + glm::ivec2(k % kLocal, k / kLocal) - kLocal / 2;
-        // Beyond the reach the margin's border counts.
+        // Beyond the search range, the margin's border is compared.
         const glm::ivec2 within = glm::clamp(d, -kMotionReach, kMotionReach);
         costs[static_cast<std::size_t>(k)] +=
             std::abs(light - *light_at(before, x - within.x, y - within.y));
@@ -176,7 +180,7 @@ void ClusterMotion::move_cluster(const PeopleSamples& now, const PeopleSamples& 
   for (const Place cell : cluster_) motion_.row(cell.y)[cell.x] = best_of_cell(cell, around, label);
 }
 
-/// Cells beside people move as they do; of two people the nearer one.
+/// Extends motion to cells beside people; between two people the nearer one counts.
 void ClusterMotion::spread() {
   for (int y = 0; y < cells_.height; ++y)
     for (int x = 0; x < cells_.width; ++x) spread_.row(y)[x] = label_.row(y)[x] != 0;
@@ -235,7 +239,7 @@ PeopleMotion::PeopleMotion(const Tables& tables)
 
 bool PeopleMotion::see(const FrameInput& input, Crew& crew) {
   const double interval_s = input.time_s - time_s_;
-  // The same frame once more moves as it did.
+  // The last frame again keeps its motion.
   if (any_ && interval_s == 0 && input.world_from_target == pose_) return false;
   const bool follows =
       any_ && interval_s > 0 && interval_s <= kPause_s && input.world_from_target == pose_;
@@ -254,7 +258,7 @@ bool PeopleMotion::see(const FrameInput& input, Crew& crew) {
   return true;
 }
 
-/// Means of points in the plate.
+/// Means of points in the plate, for one row of samples.
 void PeopleMotion::sample_light_row(ImageView<const Rgb8> plate, int y, float* light) const {
   const int last_x = plate.size.width - 1, last_y = plate.size.height - 1;
   const float apart = box_px_ / kMotionPoints;
@@ -275,7 +279,7 @@ void PeopleMotion::sample_light_row(ImageView<const Rgb8> plate, int y, float* l
   }
 }
 
-/// The margin repeats the border.
+/// Samples the plate; the margin repeats the border.
 void PeopleMotion::sample_light(ImageView<const Rgb8> plate, Crew& crew) {
   constexpr int kGrain = 16;
   Image<float>& light = seen_[static_cast<std::size_t>(now_)].light;
@@ -294,8 +298,8 @@ void PeopleMotion::sample_light(ImageView<const Rgb8> plate, Crew& crew) {
   }
 }
 
-/// What the ToF camera measures before the limit of the key, at its raw values: single wrong ones
-/// fill no cell.
+/// Marks samples where the ToF camera measures something nearer than the key's limit. Raw values
+/// do: single wrong ones do not fill a cell.
 void PeopleMotion::sample_people(ImageView<const float> tof_depth_m) {
   Image<float>& people = seen_[static_cast<std::size_t>(now_)].w;
   people.fill(0);

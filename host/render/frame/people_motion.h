@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How people move in the view from one frame to the next. Host, shared by both back ends.
+// Motion of people in the view from one frame to the next. On the host, shared by both back ends.
 #pragma once
 
 #include <array>
@@ -15,28 +15,30 @@
 
 namespace mixrig::render {
 
-/// A sparse picture of people: a sample is the mean of kMotionPoints squared places of the plate.
+/// A sparse picture of people: a sample is the mean of kMotionPoints^2 points of the plate.
 struct PeopleSamples {
   Image<float> light;  ///< 0..255, not linear, with a margin of kMotionReach samples on all sides
-  Image<float> w;      ///< 1/m, of the nearest person measured there; 0: none
+  Image<float> w;      ///< inverse depth of the nearest person measured there, 1/m; 0: none
 };
-/// Samples to either side within which motion is looked for, a frame.
+/// Largest motion, samples a frame along each axis, that is searched.
 inline constexpr int kMotionReach = 8;
-/// Samples a cell's side; each cell has one motion.
+/// Samples along a cell's side; each cell has one motion.
 inline constexpr int kMotionCell = 4;
 inline constexpr int kMotionPoints = 4;
 
-/// Motion between two sparse pictures. People connected in depth are a cluster; its motion is the
-/// shift that most of its samples agree on (least sum of absolute differences), that of a cell the
-/// same around it within two samples, over 3x3 cells of the cluster. Memory of one compositor.
+/// Motion between two sparse pictures. Cells of people connected in depth form a cluster. A
+/// cluster's motion is the shift with the least sum of absolute differences; a cell's motion is
+/// searched the same way within two samples of it, over 3x3 cells of the cluster. Used by one
+/// compositor.
 class ClusterMotion {
  public:
   explicit ClusterMotion(Size samples);
   Size cells() const { return cells_; }
-  /// Motion of each cell in samples a frame, from `before` to `now`, both of the size given first;
-  /// 0 where nobody is. Cells within two of people move as the nearest of these. Allocates nothing.
+  /// Motion of each cell in samples a frame from `before` to `now`, both of the constructor's size;
+  /// 0 where nobody is. Cells within two cells of people move as the nearest person. Allocates
+  /// nothing.
   const Image<glm::vec2>& find(const PeopleSamples& now, const PeopleSamples& before);
-  /// Cells that move as people do, after find(): within two of people.
+  /// Whether a cell moved with people in the last find(): it is within two cells of them.
   bool near_people(int x, int y) const { return spread_.row(y)[x] > 0; }
 
  private:
@@ -54,38 +56,41 @@ class ClusterMotion {
   void spread();
 
   Size size_, cells_;
-  Image<float> cell_w_;  ///< mean of people; 0: none
+  Image<float> cell_w_;  ///< mean inverse depth of people, 1/m; 0: none
   Image<std::uint8_t> label_, spread_, next_spread_;
   Image<glm::vec2> motion_;
-  std::vector<Place> cluster_;                                 ///< cells of the cluster looked at
-  std::vector<std::array<float, kLocal * kLocal + 1>> costs_;  ///< of each cell; last: samples
+  std::vector<Place> cluster_;  ///< cells of the current cluster
+  /// Of each cell, for each shift; last: number of samples.
+  std::vector<std::array<float, kLocal * kLocal + 1>> costs_;
 };
 
-/// Share of the matte before where the plate is the same; and by how much the roots of light, of
-/// 255, differ in the mean over channels and 3x3 pixels where it is a share of 1/e of that: some
-/// times the noise of a sensor. docs/method/compositor.md, "Refine".
+/// Steady matte (docs/method/compositor.md, "key, steady"): kBeforeShare is the share of the
+/// previous matte where the plate has not changed. kAlike is the change of the root of light (of
+/// 255, mean over channels and 3x3 pixels) at which the share falls to 1/e of it: some times a
+/// sensor's noise.
 inline constexpr float kBeforeShare = 0.7F;
 inline constexpr float kAlike = 8;
 
-/// Whether the key of this setup follows people: against a background that stands still.
+/// Whether the key of this setup follows people: it needs a background that stands still.
 bool follows_people(const CompositorSetup& setup);
 
-/// Samples people and plate of each frame, and says how they moved since the one before. Not
+/// Samples people and plate of each frame and estimates their motion since the frame before. Not
 /// thread-safe.
 class PeopleMotion {
  public:
   /// Reads plate_px, tof_ray and key_limit_w of `tables` now. Precondition: these hold for all
   /// frames.
   explicit PeopleMotion(const Tables& tables);
-  /// Takes a frame; false where it is the last one once more. Allocates nothing. What was seen
-  /// before counts only where the camera stands as it stood then, and at most kPause_s before.
+  /// Takes a frame; returns false for the last frame once more. Motion is known only if the camera
+  /// stands where it stood in the frame before, and that is at most kPause_s ago. Allocates
+  /// nothing.
   bool see(const FrameInput& input, Crew& crew);
   int cell_px() const { return kMotionCell * step_px_; }
   Size cells() const { return clusters_.cells(); }
-  /// Motion of each cell since the frame before, pixels of the view; null: not known.
+  /// Motion of each cell since the frame before, view pixels; null: not known.
   const Image<glm::vec2>* motion_px() const { return known_ ? &motion_px_ : nullptr; }
-  /// By how many whole pixels people's depth is moved to where they were at the time of the plate,
-  /// for each cell. False where it stays everywhere.
+  /// Whole pixels by which people's depth must be moved in each cell to fit the time of the plate.
+  /// Returns false where nothing moves.
   bool depth_shift_px(double depth_delay_s, Image<glm::vec2>& shift) const;
   static constexpr double kPause_s = 0.25;
 
@@ -94,19 +99,20 @@ class PeopleMotion {
   void sample_light_row(ImageView<const Rgb8> plate, int y, float* light) const;
   void sample_people(ImageView<const float> tof_depth_m);
 
-  /// A place of the ToF picture.
+  /// A pixel of the ToF picture that is sampled.
   struct Ray {
     int x, y;
-    glm::vec3 per_value;  ///< a measured value times this is the place, metres, axes of the camera
+    /// A measured value times this is its point in metres, in axes of the ToF camera.
+    glm::vec3 per_value;
   };
 
   const Tables& tables_;
   int step_px_ = 1;
-  float box_px_ = 1;  ///< side of a sample in the plate
+  float box_px_ = 1;  ///< side of a sample in the plate, pixels
   Size samples_;
-  std::vector<glm::vec2> plate_px_;  ///< of each sample's middle
-  std::vector<Ray> rays_;            ///< of the places that are looked at
-  Image<float> limit_w_;             ///< of each sample
+  std::vector<glm::vec2> plate_px_;  ///< plate pixel of each sample's centre
+  std::vector<Ray> rays_;            ///< the ToF pixels that are sampled
+  Image<float> limit_w_;             ///< limit of the key at each sample, 1/m
   std::array<PeopleSamples, 2> seen_;
   ClusterMotion clusters_;
   Image<glm::vec2> motion_px_;

@@ -18,17 +18,17 @@ constexpr int kMostLookBlocks = 600;
 /// Bins of brightness, by the square root of light.
 constexpr std::size_t kLightBins = 12;
 constexpr std::size_t kLeastBlocks = 4;
-/// Of the blocks of a brightness that count.
+/// Part of the blocks of a brightness that counts: the smoothest.
 constexpr double kSmoothShare = 1.0 / 3;
 constexpr float kMostBlur_px = 1.2F;
-/// Variance of the place of steps in pictures that no lens blurs, by the median: 1/4 in those of
-/// the studio, 3/16 of a straight step over the area of pixels. Of virtual edges, which have two
-/// samples across, the mean is less by the second.
+/// Median variance of the place of steps in pictures that no lens blurs: 1/4 in the studio's, 3/16
+/// for a straight step over the area of pixels. Virtual edges, which have two samples across, have
+/// kFewSamples_px2 less in the mean.
 constexpr float kSharpMedian_px2 = 0.25F, kFewSamples_px2 = 1.0F / 6 - 1.0F / 8;
 constexpr std::size_t kLeastEdges = 20;
-/// Heights of steps, in linear light, and of colour differences.
+/// Least height of steps, in linear light and in colour differences.
 constexpr float kLeastStep = 0.15F, kLeastChromaStep = 0.1F;
-/// Variance that steps lack to those of virtual objects: less is not sharpening.
+/// Least deficit of a step's variance to a virtual object's that counts as sharpening.
 constexpr float kLeastNarrow_px2 = 0.05F, kMostSharpening = 0.6F;
 
 /// Mean squared responses of a block to [1 -2 1] x [1 -2 1], at one and at two pixels.
@@ -64,18 +64,19 @@ BlockNoise noise_of_block(const Image<glm::vec3>& a, int y0, Size block) {
   return sum;
 }
 
-/// Autocorrelation along an axis, times its sum of squares, at 0, 1 and 2 pixels.
+/// Autocorrelation along an axis, times the sum of squares of its taps, at 0, 1 and 2 pixels.
 glm::dvec3 autocorrelation(double spread) {
   const double middle = 1 - 2 * spread;
   return {middle * middle + 2 * spread * spread, 2 * spread * middle, spread * spread};
 }
-/// What [1 -2 1] at one and at two pixels makes of it.
+/// Squared responses to [1 -2 1] at one and at two pixels for that autocorrelation.
 glm::dvec2 responses(double spread) {
   const glm::dvec3 r = autocorrelation(spread);
   return {6 * r[0] - 8 * r[1] + 2 * r[2], 6 * r[0] - 8 * r[2]};
 }
 
-/// The spread at which the fine response is `ratio` of the coarse one; it falls with the spread.
+/// Finds the spread at which the fine response is `ratio` of the coarse one; the ratio falls with
+/// the spread.
 double spread_of(double ratio) {
   double low = 0, high = 1.0 / 3;
   for (int i = 0; i < 30; ++i) {
@@ -97,7 +98,7 @@ std::vector<BlockNoise> smooth_blocks(std::vector<BlockNoise> blocks) {
   return blocks;
 }
 
-/// Least squares of floor + slope * light, relative to the values; both at least 0.
+/// Fits floor + slope * light by relative least squares; both at least 0.
 void fit_line(const std::vector<BlockNoise>& blocks, float scale, int channel, Grain& grain) {
   double w = 0, wx = 0, wxx = 0, wy = 0, wxy = 0;
   for (const BlockNoise& b : blocks) {
@@ -120,7 +121,7 @@ std::optional<Grain> grain_of(const Image<glm::vec3>& a, Size block) {
   for (int y = 0; y + block.height <= a.height(); y += block.height) {
     const BlockNoise noise = noise_of_block(a, y, block);
     const float light = std::clamp(luminance(noise.light), 0.0F, 0.999F);
-    // What is nearly white is cut off.
+    // Nearly white blocks are clipped.
     if (std::max({noise.light.x, noise.light.y, noise.light.z}) > 0.9F) continue;
     bins[static_cast<std::size_t>(kLightBins * std::sqrt(light))].push_back(noise);
   }
@@ -144,8 +145,8 @@ std::optional<Grain> grain_of(const Image<glm::vec3>& a, Size block) {
   return grain;
 }
 
-/// Variance in pixels of the place of a step that is 4 pixels around `at` and alone; light[k] is
-/// along the axis, `beside` along a neighbouring line.
+/// Variance, px^2, of the place of an isolated step within 4 pixels of `at`. light[k] runs along
+/// the axis, `beside` along a neighbouring line. Nullopt if there is no such step.
 std::optional<float> step_variance(const float* light, const float* beside, int at,
                                    float least_height) {
   const auto mean3 = [](const float* v) { return (v[0] + v[1] + v[2]) / 3; };
@@ -170,7 +171,7 @@ std::optional<float> step_variance(const float* light, const float* beside, int 
   return own.y;
 }
 
-/// The largest difference of a step is between at and at +- 1, and it is the largest around.
+/// Whether the largest central difference around lies at `at`, and is a step.
 bool is_steepest(const float* light, int at) {
   const float own = std::abs(light[at + 1] - light[at - 1]);
   for (int i = -3; i <= 3; ++i)
@@ -178,7 +179,8 @@ bool is_steepest(const float* light, int at) {
   return own > 0.03F;
 }
 
-/// Isolated steps of value(pixel) along rows, or along columns, of all blocks.
+/// Collects the variances of isolated steps of value(pixel) along rows, or along columns, of all
+/// blocks.
 template <typename Value>
 void find_steps(const Image<glm::vec3>& a, Size block, bool rows, float least_height,
                 const Value& value, std::vector<float>& found) {
@@ -199,7 +201,7 @@ void find_steps(const Image<glm::vec3>& a, Size block, bool rows, float least_he
     }
 }
 
-/// Nullopt with too few of them. Reorders.
+/// Median; nullopt with too few values. Reorders them.
 std::optional<float> median_of(std::vector<float>& variances) {
   if (variances.size() < kLeastEdges) return std::nullopt;
   const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
@@ -237,7 +239,7 @@ std::uint32_t hashed(std::uint32_t v) {  // PCG, O'Neill 2014
   return (v >> 22U) ^ v;
 }
 
-/// Of sigma 1, nearly Gaussian: the sum of four bytes.
+/// Noise of sigma 1, nearly Gaussian: a sum of four bytes.
 float normal_noise(std::uint32_t v) {
   const std::uint32_t h = hashed(v);
   const auto sum =
@@ -323,7 +325,7 @@ PictureLook measured_first(LookMeter& meter, ImageView<const Rgb8> plate) {
 Image<PackedNormal> make_grain(const Grain& grain) {
   constexpr int kSide = kGrainTexels;
   const float by = grain.spread, middle = 1 - 2 * by;
-  // Four independent fields, smoothed: one that the channels share, and one of each.
+  // Four independent smoothed fields: one for each channel, and one that the channels share.
   Image<glm::vec4> noise({kSide, kSide}), across({kSide, kSide});
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x)
@@ -374,7 +376,7 @@ LookFilter look_filter(const PictureLook& look) {
     return blur_taps(std::sqrt(blur_px2 + more_px * more_px));
   };
   LookFilter filter{blur_taps(look.blur_px), chroma(look.chroma_px.x), chroma(look.chroma_px.y)};
-  // The mask after the blur, as far as the taps reach; what it would have beyond stays in them.
+  // Sharpens after the blur, as far as the taps reach; what would lie beyond is kept in them.
   const float s = look.sharpening;
   const LookTaps b = filter.light;
   filter.light = {(1 + 2 * s) * b[0] - 2 * s * b[1], (1 + 2 * s) * b[1] - s * (b[0] + b[2]),

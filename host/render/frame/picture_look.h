@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a camera does to real things, measured in a plate as it is seen in the view: noise and
-// width of edges; and what makes virtual things alike. Shared by both back ends.
+// How a camera changes real things, measured in a plate as seen in the view (noise, width of
+// edges), and the filters that give virtual things the same look. Shared by both back ends.
 #pragma once
 
 #include <array>
@@ -17,20 +17,20 @@
 
 namespace mixrig::render {
 
-/// Noise of a picture in linear light: its variance is floor + slope * light, a channel each.
+/// Noise of a picture in linear light: for each channel its variance is floor + slope * light.
 struct Grain {
-  glm::vec3 floor{0}, slope{0};  ///< not negative; 0, 0: none
-  /// Noise of neighbours is alike: as white noise after the taps (spread, 1 - 2 spread, spread)
-  /// along x and y. 0 to 1/3.
+  glm::vec3 floor{0}, slope{0};  ///< not negative; 0, 0: no noise
+  /// Correlation of neighbouring pixels: that of white noise after the taps (spread, 1 - 2 spread,
+  /// spread) along x and y. 0 to 1/3.
   float spread = 0;
-  float shared = 0;  ///< correlation of the channels, 0 to 1
+  float shared = 0;  ///< correlation between the channels, 0 to 1
   bool operator==(const Grain&) const = default;
   bool any() const { return floor != glm::vec3(0) || slope != glm::vec3(0); }
 };
 
 struct PictureLook {
   Grain grain;
-  float blur_px = 0;  ///< sigma by which edges are wider than those of a virtual object
+  float blur_px = 0;  ///< sigma by which edges are wider than a virtual object's
   /// Sigma along x and y by which edges of colour differences are wider than those of brightness.
   glm::vec2 chroma_px{0};
   float sharpening = 0;  ///< s of the mask (-s, 1 + 2 s, -s) along each axis, after the blur
@@ -39,60 +39,61 @@ struct PictureLook {
   }
   bool operator==(const PictureLook&) const = default;
 };
-/// What of it is wanted; the rest is 0.
+/// Keeps the properties that are wanted and sets the others to 0.
 PictureLook wanted_of(const PictureLook& look, const LookSettings& wanted);
-/// One line for the log.
+/// Describes a look in one line for the log.
 std::string to_text(const PictureLook& look);
 
-/// Weights of a pixel itself, and of those 1 and 2 beside it; their sum to both sides is 1.
+/// Weights of a pixel, and of each pixel 1 and 2 beside it; the sum over both sides is 1.
 using LookTaps = std::array<float, kBlurReach + 1>;
 
-/// What makes virtual things as sharp as the plate: taps along x and y of brightness and coverage,
-/// and of colour differences.
+/// Taps that make virtual things as sharp as the plate: for brightness and coverage along both
+/// axes, and for colour differences along x and along y.
 struct LookFilter {
   LookTaps light, chroma_x, chroma_y;
 };
 LookFilter look_filter(const PictureLook& look);
 
-/// Linear colour as brightness, red and blue less brightness, and what lies in alpha.
+/// Linear colour as (brightness, red - brightness, blue - brightness, alpha).
 inline glm::vec4 to_differences(const glm::vec4& c) {
   const float y = luminance(glm::vec3(c));
   return {y, c.r - y, c.b - y, c.a};
 }
-/// Back; a negative colour becomes 0, and colour over `most_alpha` of coverage is scaled with it.
+/// Inverse of to_differences(). Negative colours become 0; alpha above `most_alpha` is reduced to
+/// it, and the colour with it.
 glm::vec4 from_differences(const glm::vec4& d, float most_alpha);
 
-/// Of a picture in linear light, in which blocks of `block` pixels lie one below the other. Pure.
-/// Noise: the lower third of the blocks of a brightness, so that texture does not count
-/// (Immerkaer 1996, at two scales). Width: the median of isolated steps along x and y, of
-/// brightness and of colour differences; where it is less than that of virtual objects, the picture
-/// is sharpened. What there are too few blocks or steps for stays as it was `before`.
+/// Measures the look of a picture in linear light, in which blocks of `block` pixels lie one below
+/// the other. Noise is taken from the smoothest third of the blocks of each brightness, so that
+/// texture does not count (Immerkaer 1996, at two scales). Edge width is the median of isolated
+/// steps along x and y, in brightness and in colour differences; narrower than a virtual object's
+/// means sharpening. With too few blocks or steps a property stays as in `before`. Pure.
 PictureLook measure_look(const Image<glm::vec3>& blocks, Size block,
                          const PictureLook& before = {});
 
-/// Looks at blocks of the view that are spread over it. Not thread-safe.
+/// Measures the look of plates by blocks spread over the view. Not thread-safe.
 class LookMeter {
  public:
-  /// Of the setup's view through its lens.
+  /// Reads view and lens of the setup.
   explicit LookMeter(const CompositorSetup& setup);
-  /// Allocates. What cannot be told from this plate stays as it was `before`.
+  /// Measures a plate; properties that it does not show stay as in `before`. Allocates.
   PictureLook measure(ImageView<const Rgb8> plate, const PictureLook& before = {});
 
  private:
-  Image<glm::vec2> plate_px_;  ///< the blocks one below the other
-  Image<glm::vec3> light_;     ///< of the plate there
+  Image<glm::vec2> plate_px_;  ///< plate pixels of the blocks, one below the other
+  Image<glm::vec3> light_;     ///< linear light of the plate at plate_px_
 };
 
-/// Of a compositor's first plate; told in the log.
+/// Measures a compositor's first plate and logs the result.
 PictureLook measured_first(LookMeter& meter, ImageView<const Rgb8> plate);
 
-/// Noise of sigma 1, as Grain says how it is alike: value * kGrainSigmas / 127. Repeats; always the
-/// same.
+/// Table of noise of sigma 1, correlated as `grain` says: sigma = byte * kGrainSigmas / 127. It is
+/// periodic and deterministic.
 Image<PackedNormal> make_grain(const Grain& grain);
-/// Where the grain of a frame begins: anywhere in the picture of make_grain().
+/// Texel of make_grain()'s table at which the grain of a frame begins.
 glm::ivec2 grain_offset(std::uint32_t frame);
 
-/// Of a Gaussian.
+/// Taps of a Gaussian.
 LookTaps blur_taps(float sigma_px);
 
 }  // namespace mixrig::render

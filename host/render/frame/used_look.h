@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The look that virtual things have in a compositor. Shared by both back ends.
+// The look that a compositor gives to virtual things. Shared by both back ends.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,12 @@
 
 namespace mixrig::render {
 
-/// As the frames say, else as the first plate shows. Memory of one compositor; not thread-safe.
+/// Uses the look that frames bring, else that of the first plate. For one compositor; not
+/// thread-safe.
 class UsedLook {
  public:
   explicit UsedLook(const CompositorSetup& setup);
-  /// What is to be used from this frame on, of what the setup wants; null where it stays as it is.
+  /// The look to use from this frame on, restricted to what the setup wants; null: unchanged.
   const PictureLook* take(const FrameInput& input);
   bool measures() const { return measures_; }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A frame, from its pictures to its images.
+// Composites one frame, from its input pictures to its images.
 #include <utility>
 
 #include "hal/base/log.h"
@@ -9,8 +9,8 @@
 
 namespace mixrig::render::gles {
 
-/// The plate's textures in its camera's memory; null where it is copied. Pixels that the host needs
-/// are decoded.
+/// Imports the plate from its camera's memory; null if it must be copied. Decodes it on the host if
+/// pixels are needed there.
 const ImportedPlanes* GlesCompositor::import_plate(FrameInput& input) {
   const ImportedPlanes* planes = nullptr;
   if (input.shared != nullptr && state_.plate_need != PlateNeed::kDecoded) {
@@ -56,7 +56,7 @@ Result<void> GlesCompositor::submit(const FrameInput& given, OutputMask wanted) 
   return {};
 }
 
-/// The passes, in the order of docs/method/compositor.md.
+/// Runs the passes, in the order of docs/method/compositor.md.
 Result<void> GlesCompositor::draw(const FrameInput& input, const ImportedPlanes* planes,
                                   Frame& frame) {
   StageTimer& timer = *frame.timer;
@@ -96,7 +96,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, const ImportedPlanes*
   return {};
 }
 
-/// Passes correct, agree and warp; `two`: of both depth cameras.
+/// Runs passes correct, agree and warp; `two`: for both depth cameras.
 void GlesCompositor::draw_depth(bool two, StageTimer& timer) {
   const CorrectPass& correct = passes_.correct;
   {
@@ -117,7 +117,7 @@ ToneCurve GlesCompositor::tone_of(const FrameInput& input) {
   return input.plate.empty() ? meter_.curve(input.shared->raw()) : meter_.curve(input.plate);
 }
 
-/// The frame's pictures; and what the host finds out from them.
+/// Uploads the frame's pictures, and computes on the host what depends on them.
 void GlesCompositor::upload(const FrameInput& input, bool with_plate) {
   follow(input);
   passes_.take_look(input);
@@ -129,7 +129,7 @@ void GlesCompositor::upload(const FrameInput& input, bool with_plate) {
     passes_.second_depth->upload_depth(input.tof2_depth_m);
 }
 
-/// The matte and people's depth.
+/// Draws the matte and people's depth.
 void GlesCompositor::key_people(const FrameInput& input) {
   const Room& room = passes_.room;
   passes_.key->draw(frame_->params().key, input.depth_delay_s,
@@ -137,7 +137,7 @@ void GlesCompositor::key_people(const FrameInput& input) {
                      tone_, room.limit_w()});
 }
 
-/// What is drawn of the scene in this frame, and through which lens.
+/// Takes the frame's lens, light, poses and look.
 void GlesCompositor::follow(const FrameInput& input) {
   const bool moved = lens_.follow(input.lens, setup_, tables_);
   if (moved) see_through_lens();
@@ -149,7 +149,7 @@ void GlesCompositor::follow(const FrameInput& input) {
   things_ = things ? &*things : nullptr;
 }
 
-/// What depends on the lens is made again.
+/// Rebuilds what depends on the lens.
 void GlesCompositor::see_through_lens() {
   constexpr int kRows = 16;
   crew_->rows(plate_px_.height(), kRows, [&](int begin, int end) {

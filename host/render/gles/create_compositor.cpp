@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a compositor makes once: context, passes, and what the driver offers beside them.
+// What a compositor sets up once: context, passes, and optional features of the driver.
 #include <utility>
 
 #include <fmt/format.h>
@@ -24,7 +24,7 @@ GlesCompositor::GlesCompositor(EglContext context, const CompositorSetup& setup)
   plate_px_.reset(tables_.view_size);
 }
 
-// GL names are given back to the context that made them.
+// GL names must be deleted in the context that made them.
 GlesCompositor::~GlesCompositor() {
   (void)context_.make_current();
   if (flight_.count() > 0) glFinish();  // buffers of cameras are given back now

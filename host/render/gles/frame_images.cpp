@@ -52,7 +52,7 @@ Result<void> FrameImages::fetch(FrameOutput& output) const {
   return {};
 }
 
-/// The warp's inverse depth is negative in cut cells.
+/// Converts the warp's inverse depth, which is negative in cut cells, to metres.
 Result<void> FrameImages::fetch_warped_depth(Image<float>& depth_m) const {
   MIXRIG_TRY(warped_w_.fetch(depth_m));
   for (int y = 0; y < depth_m.height(); ++y)

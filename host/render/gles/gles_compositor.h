@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The compositor of the back end. What is made once is in create_compositor.cpp, a frame in
+// The compositor of the gles back end: set up in create_compositor.cpp, frames in
 // compositor_gles.cpp.
 #pragma once
 
@@ -25,11 +25,11 @@ class GlesCompositor final : public Compositor {
   GlesCompositor(EglContext context, const CompositorSetup& setup);
   ~GlesCompositor() override;
   Result<void> create_passes();
-  /// Composites of kGpuColor stay in the GPU's memory, where the driver can copy them.
+  /// Keeps composites of kGpuColor in GPU memory, if the driver can copy them.
   void share_colors();
-  /// Plates are read in their camera's memory, where the driver offers it.
+  /// Reads plates in the camera's memory, if the driver offers it.
   Result<void> import_plates(PlateImport import);
-  /// The context is current on no thread afterwards.
+  /// Releases the context from the calling thread.
   void leave_thread() const { context_.release(); }
 
   Result<void> submit(const FrameInput& input, OutputMask wanted) override;
@@ -44,7 +44,8 @@ class GlesCompositor final : public Compositor {
     FrameImages images;
     Fence done;
     std::shared_ptr<const GpuPicture> gpu_color;
-    std::shared_ptr<const void> plate_memory;  ///< of a plate that is read in place
+    /// Keeps the memory of a plate that is read in place.
+    std::shared_ptr<const void> plate_memory;
     std::optional<StageTimer> timer;
   };
 
@@ -57,27 +58,27 @@ class GlesCompositor final : public Compositor {
   void draw_depth(bool two, StageTimer& timer);
   void key_people(const FrameInput& input);
   Result<void> draw_mix(OutputMask wanted);
-  /// Null where nothing is keyed.
+  /// Null if nothing is keyed.
   const KeyPass* key() const { return passes_.key ? &passes_.key->pass() : nullptr; }
-  /// Null where objects take light from nothing.
+  /// Null if objects take no light from lamps or the room.
   const LightPass* light_map() const { return things_ ? things_->light_map(key()) : nullptr; }
 
-  EglContext context_;  // dies last
+  EglContext context_;  // destroyed last
   CompositorSetup setup_;
   Tables tables_;
   FramesOfSetup frames_;
   LensFollower lens_;
-  const FramePreparer* frame_ = &frames_.with_objects();  ///< of this frame
-  const FramePreparer* room_by_ = nullptr;                ///< that when the room was last drawn
-  std::optional<Crew> crew_;                              ///< where the lens moves
-  Image<glm::vec2> plate_px_;                             ///< the same
+  const FramePreparer* frame_ = &frames_.with_objects();  ///< preparer of this frame
+  const FramePreparer* room_by_ = nullptr;                ///< preparer when the room was last drawn
+  std::optional<Crew> crew_;                              ///< if the lens moves
+  Image<glm::vec2> plate_px_;                             ///< if the lens moves
   ExposureMeter meter_;
   ToneCurve tone_;
   Passes passes_;
-  VirtualThings* things_ = nullptr;      ///< of this frame
-  std::optional<PlateImports> imports_;  ///< where the driver has them
-  bool has_look_ = false;                ///< of virtual objects: found in a plate of the host
-  std::optional<GpuColors> gpu_colors_;  ///< where objects are shared with a screen
+  VirtualThings* things_ = nullptr;      ///< of this frame; null: no objects
+  std::optional<PlateImports> imports_;  ///< if the driver can import
+  bool has_look_ = false;                ///< the objects' look was measured, in a plate on the host
+  std::optional<GpuColors> gpu_colors_;  ///< if objects are shared with a screen
   InFlight<Frame> flight_;
   CompositorState state_;
 };

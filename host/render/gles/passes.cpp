@@ -4,7 +4,7 @@
 namespace mixrig::render::gles {
 namespace {
 
-/// None for a frame that draws no object.
+/// Makes the passes of virtual things; none if the frame draws no object.
 Result<void> create_things(const CompositorSetup& setup, const Tables& tables,
                            const FrameParams& frame, std::optional<VirtualThings>& things) {
   if (frame.draws.empty()) return {};

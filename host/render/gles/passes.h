@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The passes that a scene needs, made once.
+// The passes of a scene, made once with the compositor.
 #pragma once
 
 #include <optional>
@@ -19,13 +19,13 @@
 namespace mixrig::render::gles {
 
 struct Passes {
-  /// Borrows `setup`, `frame` and `hidden`, and `tables` where the key follows people. `hidden`:
-  /// null where no frame hides objects. Sets tables.has_background; images of the tables that only
-  /// the GPU needs are empty afterwards. Errors: those of the passes.
+  /// Makes the passes that the setup needs. Borrows `setup`, `frame` and `hidden`, and `tables` if
+  /// the key follows people. `hidden`: null if no frame hides objects. Sets tables.has_background
+  /// and empties images of the tables that only the GPU needs. Errors: those of the passes.
   static Result<Passes> create(const CompositorSetup& setup, Tables& tables,
                                std::span<const ExposureMeter::Place> places,
                                const FrameParams& frame, const HiddenObjects* hidden);
-  /// Another view of the same size.
+  /// Sets another view of the same size.
   void set_view(const CompositorSetup& setup, const Tables& tables);
   /// Takes the look of a frame.
   void take_look(const FrameInput& input);
@@ -34,10 +34,10 @@ struct Passes {
   PlatePass plate;
   CorrectPass correct;
   WarpPass warp;
-  std::optional<SecondDepthPass> second_depth;  ///< of a rig with two depth cameras
-  std::optional<PeopleKey> key;                 ///< where anything is keyed
-  std::optional<VirtualThings> all_things;      ///< where there are any
-  std::optional<VirtualThings> set_things;      ///< those of HiddenObjects, where there are any
+  std::optional<SecondDepthPass> second_depth;  ///< with two depth cameras
+  std::optional<PeopleKey> key;                 ///< if anything is keyed
+  std::optional<VirtualThings> all_things;      ///< if there are objects
+  std::optional<VirtualThings> set_things;      ///< objects of HiddenObjects, if there are any
   MixPass mix;
   std::optional<FocusPass> focus;
 };

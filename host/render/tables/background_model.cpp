@@ -15,7 +15,7 @@ namespace mixrig::render {
 namespace {
 
 constexpr int kMostStepPx = 16;
-/// Of one measurement's: a sample is the median of several model pixels.
+/// Factor of a measurement's sigma: a grid sample is the median of several model pixels.
 constexpr float kMedianSigma = 0.5F;
 
 /// Median of the known depths of a cell, if it knows at least half of them.
@@ -30,7 +30,8 @@ float cell_depth(ImageView<const float> depth_m, int x0, int y0, int step_px,
   return upper_median_in_place(std::span(known));
 }
 
-/// Depth one step beyond `z_m`, after `before_m`: planes go on; what is no plane stays at z_m.
+/// Depth one step beyond `z_m`, extrapolated from `before_m` as a plane; z_m where the change is
+/// too large for one plane.
 float continued_m(float z_m, float before_m) {
   constexpr float kMostChange = 0.2F;
   if (!(z_m > 0 && before_m > 0)) return z_m;
@@ -38,7 +39,7 @@ float continued_m(float z_m, float before_m) {
   return std::abs(change) < kMostChange * w ? 1 / (w + change) : z_m;
 }
 
-/// A ring of cells around the images, so that the surfaces reach their borders.
+/// Fills the outer ring of cells, so that surfaces reach the borders of the images.
 void continue_ring(Image<float>& depth_m) {
   const int right = depth_m.width() - 1, bottom = depth_m.height() - 1;
   if (right < 4 || bottom < 4) return;
@@ -53,7 +54,8 @@ void continue_ring(Image<float>& depth_m) {
   }
 }
 
-/// Rays of the samples: in the middle of their cells; the first and the last ones are the ring.
+/// Sets the rays of the grid samples, which lie in the middle of their cells; the outer samples are
+/// the ring around the image.
 void make_rays(const geometry::Pinhole& camera, ModelTables& t) {
   const int step = t.step_px;
   const auto samples = [&](int pixels) { return (pixels + step - 1) / step + 2; };
@@ -91,13 +93,13 @@ FaceRange range_of(const Image<float>& depth_m) {
   return range;
 }
 
-/// Face number `face` of images of the model.
+/// View of face number `face` in the model's images.
 template <typename T>
 ImageView<T> face_of(ImageView<T> images, Size face_size, std::size_t face) {
   return {images.row(static_cast<int>(face) * face_size.height), face_size, images.stride};
 }
 
-/// Normals of each face, turned to the axes of the first.
+/// Normals of each face, rotated to axes of the first face.
 void make_normals(const BackgroundModel& model, int radius_px, Image<PackedNormal>& out) {
   out.reset(model.depth_m.size);
   const Size size = model.camera.size_px;
@@ -119,13 +121,13 @@ bool takes_light(const CompositorSetup& setup) {
   return !setup.objects.empty() && (!setup.light.lamps.empty() || setup.light.contact);
 }
 
-/// The number of a pixel's plane, as ModelTables::normal keeps it.
+/// The signed plane number of a pixel, as ModelTables::normal stores it.
 std::int8_t plane_number(std::size_t number, float model_m, float room_m) {
   const auto counted = static_cast<std::int8_t>(1 + number);
   return room_m == model_m ? counted : static_cast<std::int8_t>(-counted);
 }
 
-/// As make_normals, of the surfaces that light falls on, with their planes.
+/// Normals and planes of the light surface of each face, in axes of the first face.
 void make_light(const CompositorSetup& setup, const BackgroundModel& model, int radius_px,
                 ModelTables& t) {
   static_assert(kMostLightPlanes == kMostPlanes * std::size_t{kMostFaces});
@@ -220,14 +222,14 @@ ModelTables make_model_tables(const CompositorSetup& setup, const BackgroundMode
 }
 
 void set_view(const CompositorSetup& setup, ModelTables& t) {
-  // Its steps were widened when it was learned.
+  // The steps of the model were widened when it was learned.
   t.grid.warp.open_reach = t.grid.warp.shut_reach = 1;
   t.grid.warp.mixed_pixels = false;
   t.grid.warp.view = {glm::vec2(setup.view.fx_px, setup.view.fy_px),
                       glm::vec2(setup.view.cx_px, setup.view.cy_px)};
   t.grid.tof_footprint_px =
       static_cast<float>(std::max(1.0, t.step_px * setup.view.fx_px / t.camera_focal_px));
-  // Edges of the model are known to a sample of it.
+  // Edges of the model are known to one of its samples.
   const auto sample_px = static_cast<float>(setup.view.fx_px / t.camera_focal_px);
   t.limit_radius_px = limit_radius_px(tof_footprint_px(setup) + std::max(0.0F, sample_px - 1));
 }

@@ -14,17 +14,18 @@ namespace mixrig::render {
 namespace {
 
 constexpr int kNodes = kContactNodes;
-/// Directions in which is looked: fewer for large meshes, which are drawn once for each.
+/// Directions that are sampled: fewer for large meshes, which are drawn once for each direction.
 constexpr int kMostLooks = 128, kFewestLooks = 32;
 constexpr std::size_t kMostDrawn = 4000000;  // triangles
 constexpr int kSilhouetteTexels = 128;
-constexpr float kSelfTexels = 1.5F;    ///< a place is not hidden by what is so near to it
-constexpr float kInsideShare = 0.97F;  ///< hidden to that many sides: within the object
-constexpr int kAlbedoTexels = 64;      ///< of a texture along each side, for its mean
+constexpr float kSelfTexels = 1.5F;  ///< surfaces nearer than this to a place do not hide it
+/// A place hidden in this share of the directions lies within the object.
+constexpr float kInsideShare = 0.97F;
+constexpr int kAlbedoTexels = 64;  ///< texels sampled along each side of a texture for its mean
 
-using Shares = std::array<float, 6>;  ///< normals x, y, z, -x, -y, -z
+using Shares = std::array<float, 6>;  ///< for normals x, y, z, -x, -y, -z
 
-/// Triangles of an object, its axes, metres.
+/// Triangles of an object in its axes, metres.
 struct Solid {
   std::vector<glm::vec3> corners_m;  ///< three a triangle
   glm::vec3 low_m{std::numeric_limits<float>::max()}, high_m{-low_m};
@@ -43,7 +44,7 @@ Solid solid_of(const VirtualObject& object) {
   return solid;
 }
 
-/// Mean colour of a mesh's maps, over all of them.
+/// Mean diffuse albedo of a mesh over its whole texture.
 glm::vec3 mean_albedo(const MeshView& mesh) {
   const glm::vec3 base = (1 - mesh.gloss.metallic) * mesh.base_color;
   if (mesh.texture.empty() || mesh.uv.empty()) return base;
@@ -60,7 +61,7 @@ glm::vec3 mean_albedo(const MeshView& mesh) {
   return base * sum / count;
 }
 
-/// Weighted by the area of the meshes.
+/// Mean diffuse albedo of an object, weighted by the area of its triangles.
 glm::vec3 mean_albedo(const VirtualObject& object) {
   glm::vec3 sum(0);
   float area = 1e-12F;
@@ -82,7 +83,7 @@ glm::vec3 direction_of(int i, int n) {
   return {across * std::cos(turn), across * std::sin(turn), z};
 }
 
-/// How far a solid reaches along a direction, for each line along it.
+/// Height map of a solid along a direction: how far it reaches on each line along that direction.
 class Silhouette {
  public:
   Silhouette(const Solid& solid, const glm::vec3& along)
@@ -97,7 +98,7 @@ class Silhouette {
       draw(place(solid.corners_m[i]), place(solid.corners_m[i + 1]), place(solid.corners_m[i + 2]));
   }
   const glm::vec3& along() const { return along_; }
-  /// Whether a line from a point on meets the solid.
+  /// Whether a ray from a point along the direction meets the solid.
   bool meets(const glm::vec3& point_m) const {
     const glm::vec3 at = place(point_m);
     const int u = static_cast<int>(std::lround(at.x)), v = static_cast<int>(std::lround(at.y));
@@ -108,7 +109,7 @@ class Silhouette {
  private:
   static constexpr float kMiddle = 0.5F * (kSilhouetteTexels - 1);
 
-  /// Texels across, metres along.
+  /// Texel coordinates (x, y) across the direction, and metres along it.
   glm::vec3 place(const glm::vec3& p) const {
     const glm::vec3 d = p - middle_m_;
     return {per_m_ * glm::dot(d, x_) + kMiddle, per_m_ * glm::dot(d, y_) + kMiddle,
@@ -135,7 +136,7 @@ class Silhouette {
   float per_m_ = 1;
 };
 
-/// Place of node i along an axis.
+/// Coordinate of node i along an axis, metres.
 float node_m(int i, float low_m, float high_m, float reach_m) {
   const auto beyond = [&](int steps) {
     const float part = static_cast<float>(steps) / kContactOutside;
@@ -147,7 +148,7 @@ float node_m(int i, float low_m, float high_m, float reach_m) {
   return low_m + (high_m - low_m) * static_cast<float>(i - kContactOutside) / kContactInside;
 }
 
-/// Sums over directions at each node.
+/// Shares of hidden light at each node, summed over directions.
 class ContactGrid {
  public:
   explicit ContactGrid(const Solid& solid, float reach_m)
@@ -164,7 +165,7 @@ class ContactGrid {
                                     std::size_t{kFewestLooks}, std::size_t{kMostLooks}));
     std::vector<Silhouette> seen;
     for (int i = 0; i < looks; ++i) seen.emplace_back(solid_, direction_of(i, looks));
-    // What of the light from above the floor lacks is known before it is asked for.
+    // The floor's layer comes first: nodes above it look up what the floor lacks of its light.
     std::array<int, kNodes> order{};
     order[0] = kContactOutside;
     for (int k = 1, z = 0; z < kNodes; ++z)
@@ -194,7 +195,7 @@ class ContactGrid {
     return {at_m_[0][static_cast<std::size_t>(n.x)], at_m_[1][static_cast<std::size_t>(n.y)],
             at_m_[2][static_cast<std::size_t>(n.z)]};
   }
-  /// What the floor lacks of its light where a line from `p` meets it: of the nearest node.
+  /// Share that the floor lacks of its light where a ray from `p` meets it, by the nearest node.
   float floor_lacks(const glm::vec3& p, const glm::vec3& along) const {
     const float way = (solid_.low_m.z - p.z) / along.z;
     const auto nearest = [&](int axis) {
@@ -228,8 +229,8 @@ class ContactGrid {
     hidden_[index] = hidden / static_cast<float>(seen.size());
     for (std::size_t k = 0; k < sums.size(); ++k) sums_[index][k] = sums[k] / weights[k];
   }
-  /// Nodes within the object take the mean of those around it, so that its surface, which lies
-  /// between, does not become dark.
+  /// Nodes within the object take the mean of their outside neighbours, so that the object's
+  /// surface, which lies between nodes, is not darkened.
   void fill_inside() {
     for (bool any = true; any;) {
       any = false;
@@ -259,7 +260,7 @@ class ContactGrid {
   }
 
   std::vector<Shares> sums_;
-  std::vector<float> hidden_;  ///< to all sides
+  std::vector<float> hidden_;  ///< share of the directions that are hidden
   std::array<std::array<float, kNodes>, 3> at_m_{};
   const Solid& solid_;
 };

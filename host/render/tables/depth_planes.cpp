@@ -9,9 +9,8 @@
 
 namespace mixrig::render {
 namespace {
-
-constexpr int kSeeds = 400, kScoredCells = 3000;  // of all planes; of each
-constexpr double kLeastShare = 0.01;              // of the known cells: a smaller plane is none
+constexpr int kSeeds = 400, kScoredCells = 3000;  // of all planes; of each plane
+constexpr double kLeastShare = 0.01;              // least share of the known cells on a plane
 constexpr int kWindow = 3, kReach = 2;            // cells to either side
 constexpr double kWindowShare = 0.7, kWindowMean = 1;
 
@@ -33,7 +32,7 @@ Cell cell_of(ImageView<const float> depth_m, const geometry::Pinhole& view,
   return cell;
 }
 
-/// Weighted least squares over the cells that `use` accepts.
+/// Fits a plane by weighted least squares to the cells that `use` accepts.
 template <typename Use>
 std::optional<WPlane> fit(const std::vector<const Cell*>& cells, Use&& use) {
   Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
@@ -52,7 +51,7 @@ std::optional<WPlane> fit(const std::vector<const Cell*>& cells, Use&& use) {
   return WPlane{solved.solve(b)};
 }
 
-/// Known cells around a place.
+/// Known cells within kWindow of a cell.
 std::vector<const Cell*> around(const Cells& cells, int i, int j) {
   std::vector<const Cell*> found;
   for (int y = std::max(0, j - kWindow); y <= std::min(cells.rows - 1, j + kWindow); ++y)
@@ -61,7 +60,7 @@ std::vector<const Cell*> around(const Cells& cells, int i, int j) {
   return found;
 }
 
-/// Planes through the surroundings of places all over the picture, near which their cells lie.
+/// Candidate planes, fitted around places all over the picture, on which all their cells lie.
 std::vector<WPlane> hypotheses(const Cells& cells) {
   std::vector<WPlane> found;
   const int step =
@@ -79,7 +78,7 @@ std::vector<WPlane> hypotheses(const Cells& cells) {
   return found;
 }
 
-/// Whether the cells around lie on the plane, on both sides of it alike.
+/// Whether the cells around lie on the plane, with residuals on both sides of it alike.
 bool is_core(const Cells& cells, int i, int j, const WPlane& plane) {
   int known = 0, on = 0;
   double sum = 0;

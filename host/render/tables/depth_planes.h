@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Planes of a depth picture, found in squares of its pixels.
+// Finds planes in a depth picture, by the means of square cells of its pixels.
 #pragma once
 
 #include <cmath>
@@ -13,20 +13,20 @@
 #include "host/render/contract/passes.h"
 
 namespace mixrig::render {
-
-inline constexpr double kOnPlane = 2;           ///< sigmas of one depth
+inline constexpr double kOnPlane = 2;  ///< largest residual of a cell on a plane, in its sigmas
 inline constexpr std::size_t kMostPlanes = 16;  ///< bits of a PlaneSet
 using PlaneSet = std::uint16_t;
 
-/// Inverse depth at a ray (x/z, y/z): a plane.
+/// A plane as inverse depth, 1/m, affine in the ray (x/z, y/z).
 struct WPlane {
   Eigen::Vector3d abc{0, 0, 0};
   double at(double x, double y) const { return abc.x() * x + abc.y() * y + abc.z(); }
 };
 
-/// Mean of the depths of a square of pixels.
+/// Mean of a square of pixels: ray (x/z, y/z), inverse depth w (1/m) and sigma of w for one
+/// measurement.
 struct Cell {
-  double x = 0, y = 0, w = 0, sigma = 1;  ///< w 0: less than half is known
+  double x = 0, y = 0, w = 0, sigma = 1;  ///< w 0: less than half of the pixels are known
   double residual(const WPlane& plane) const { return (w - plane.at(x, y)) / sigma; }
 };
 
@@ -39,7 +39,7 @@ struct Cells {
   }
 };
 
-/// Of the inverse depth of one measurement.
+/// Standard deviation of the inverse depth of one measurement, 1/m.
 inline double sigma_w(const NoiseParams& noise, double w) {
   return static_cast<double>(noise.sigma_m(static_cast<float>(1 / w))) * w * w;
 }
@@ -47,10 +47,12 @@ inline double sigma_w(const NoiseParams& noise, double w) {
 Cells make_cells(ImageView<const float> depth_m, const geometry::Pinhole& view,
                  const NoiseParams& noise, int side_px);
 
-/// Planes that at least 1 % of the known cells show, at most kMostPlanes, the largest first. Pure.
+/// Returns planes that at least 1 % of the known cells lie on, at most kMostPlanes, the largest
+/// first. Pure.
 std::vector<WPlane> find_planes(const Cells& cells);
 
-/// Of each cell the planes that a region reaches to which the cells around lie alike. Pure.
+/// For each cell, the planes of nearby regions whose cells lie on both sides of the plane alike.
+/// Pure.
 std::vector<PlaneSet> planes_near(const Cells& cells, const std::vector<WPlane>& planes);
 
 }  // namespace mixrig::render

@@ -18,7 +18,8 @@ CompositorSetup without_hidden(CompositorSetup setup) {
   return setup;
 }
 
-/// False where it is the same. Lamps keep their places.
+/// Copies ambient light, exposure and intensities; returns whether anything changed. Lamps keep
+/// their places.
 bool copy_light(const geometry::Light& from, geometry::Light& to) {
   bool changed = to.ambient != from.ambient || to.exposure != from.exposure;
   to.ambient = from.ambient, to.exposure = from.exposure;

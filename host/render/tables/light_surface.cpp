@@ -14,21 +14,20 @@ namespace mixrig::render {
 namespace {
 
 constexpr int kLeastCell_px = 4, kMostCell_px = 16;
-constexpr double kOutlier = 4;  // of one depth among others on the plane
+constexpr double kOutlier = 4;  // sigmas: limit of a single depth among others on the plane
 constexpr double kNormalAngle_rad = 0.1;
 constexpr int kMostScale = 8;
-/// An object stands on a plane that is off its foot by less than this part of the depth, and across
-/// its way up within 15 degrees. What it is off by less than the second may stay; light bends it by
-/// up to the third.
+/// An object stands on a plane if it is off the plane by less than kMostSunk of the depth and its
+/// up direction within 15 degrees of the normal. A plane off by less than kLeastSunk is not moved;
+/// multipath light bends depths by up to kBentPart.
 constexpr double kMostSunk = 0.05, kLeastSunk = 0.003, kBentPart = 0.012, kLeastUpright = 0.966;
-/// So far above the foot the plane lies: what is seen beside an object is not below it. Of walk 7
-/// (kinect2, plain, 320x256) light_shadow_rmse is 0.031 with -3 mm, 0.025 with 0, 0.021 with 5,
-/// 0.023 with 12.
+/// Metres above the foot at which the plane is put: the floor seen beside an object must not lie
+/// below it.
 constexpr double kOverFootM = 0.005;
 
 constexpr std::uint8_t kUnknown = 255, kOffPlanes = 254;
 
-/// Plane of each pixel.
+/// Plane number of each pixel, kOffPlanes, or kUnknown without depth.
 Image<std::uint8_t> plane_of_pixels(ImageView<const float> depth_m, const geometry::Pinhole& view,
                                     const NoiseParams& noise, const Cells& cells,
                                     const std::vector<WPlane>& planes) {
@@ -44,7 +43,7 @@ Image<std::uint8_t> plane_of_pixels(ImageView<const float> depth_m, const geomet
       const double w = 1 / static_cast<double>(z), x = (u - view.cx_px) / view.fx_px,
                    y = (v - view.cy_px) / view.fy_px;
       const double most = kOnPlane * sigma_w(noise, w);
-      // The larger plane first: noise does not tell which one is nearer.
+      // The larger plane comes first: the noise does not tell which one is nearer.
       for (std::size_t k = 0; k < planes.size() && out.row(v)[u] == kOffPlanes; ++k)
         if ((set >> k & 1U) != 0 && std::abs(w - planes[k].at(x, y)) <= most)
           out.row(v)[u] = static_cast<std::uint8_t>(k);
@@ -52,7 +51,7 @@ Image<std::uint8_t> plane_of_pixels(ImageView<const float> depth_m, const geomet
   return out;
 }
 
-/// The plane of most of the pixels within `reach`; kOffPlanes where there is none.
+/// The plane of more than half of the known pixels within `reach`; kOffPlanes if none has.
 std::uint8_t plane_of_most(const Image<std::uint8_t>& plane_of, int u, int v, int reach) {
   std::array<int, kMostPlanes> votes{};
   int known = 0;
@@ -66,7 +65,7 @@ std::uint8_t plane_of_most(const Image<std::uint8_t>& plane_of, int u, int v, in
   return 2 * *most > known ? static_cast<std::uint8_t>(most - votes.begin()) : kOffPlanes;
 }
 
-/// Single depths far off in the midst of a plane are noise.
+/// Gives single depths that are far off but surrounded by a plane to that plane, as noise.
 void join_outliers(ImageView<const float> depth_m, const geometry::Pinhole& view,
                    const NoiseParams& noise, int reach, const std::vector<WPlane>& planes,
                    Image<std::uint8_t>& plane_of) {
@@ -83,7 +82,7 @@ void join_outliers(ImageView<const float> depth_m, const geometry::Pinhole& view
     }
 }
 
-/// The plane that most sides of an unknown pixel meet first; kUnknown where there is none.
+/// The plane that most of eight directions from an unknown pixel meet first; kUnknown if none.
 std::uint8_t plane_around(const Image<std::uint8_t>& plane_of, int u, int v) {
   constexpr std::array<std::array<int, 2>, 8> kWays{
       {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};
@@ -103,10 +102,9 @@ std::uint8_t plane_around(const Image<std::uint8_t>& plane_of, int u, int v) {
   return static_cast<std::uint8_t>(most - votes.begin());
 }
 
-/// Depths are off by a part of them, and planes bent, where light comes on more than one way. But
-/// an object stands on what is there: the plane goes through its foot, and what is bent belongs to
-/// it.
-/// So are planes that lie beside it as deep, which are one floor that is bent more.
+/// Moves the floor plane to go through an object's foot: multipath light shifts depths by a part of
+/// them and bends planes, but an object does stand on the floor. Bent pixels join the plane, and
+/// planes beside it that are off by about as much are moved too.
 void stand_on_plane(const ObjectFoot& foot, ImageView<const float> depth_m,
                     const geometry::Pinhole& view, Image<std::uint8_t>& plane_of,
                     std::vector<WPlane>& planes) {
@@ -143,7 +141,7 @@ PackedNormal normal_of(const WPlane& plane) {
   return {pack(n.x()), pack(n.y()), pack(n.z()), 0};
 }
 
-/// At the least scale at which it is certain; a larger one that is not known is not used.
+/// Normal at the smallest scale at which it is certain; stops at a scale where it is unknown.
 PackedNormal certain_normal(ImageView<const float> depth_m, const geometry::Pinhole& view,
                             const NoiseParams& noise, int u, int v, int footprint_px) {
   const double z = depth_m.row(v)[u];

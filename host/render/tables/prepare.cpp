@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tables of a take: rays, plate map, key limit, background normals.
+// Builds the tables of a take: rays, plate map, key limit, background normals.
 #include "host/render/tables/prepare.h"
 
 #include <cmath>
@@ -33,7 +33,8 @@ Image<float> plate_gain(const CompositorSetup& setup, const Image<glm::vec2>& pl
   return gain;
 }
 
-/// Rows, then columns: the largest value within `radius`, which for inverse depth is the nearest.
+/// Largest value within a square of `radius`, by rows, then columns; for inverse depth the nearest
+/// surface.
 Image<float> largest_within(const Image<float>& image, int radius) {
   Image<float> rows(image.size()), out(image.size());
   const int w = image.width(), h = image.height();
@@ -52,8 +53,8 @@ Image<float> largest_within(const Image<float>& image, int radius) {
   return out;
 }
 
-/// Where no depth was learned, of the nearest limits along row and column the largest: negative,
-/// and raised by kHolePart.
+/// Where no depth was learned, stores the largest of the nearest limits along row and column,
+/// negated and raised by kHolePart.
 void fill_limit(Image<float>& limit) {
   const Size size = limit.size();
   Image<float> filled(size);
@@ -151,7 +152,7 @@ PackedNormal normal_at(ImageView<const float> depth_m, const geometry::Pinhole& 
       if (u + du < 0 || v + dv < 0 || u + du >= depth_m.size.width || v + dv >= depth_m.size.height)
         continue;
       const float z = depth_m.row(v + dv)[u + du];
-      // A sample behind a depth step belongs to another surface.
+      // A sample across a depth step belongs to another surface.
       if (!(z > 0) || std::abs(z - z0) > 0.1F * z0) continue;
       const double x = du / view.fx_px, y = dv / view.fy_px, w = 1 / z - w0;
       n += 1, sx += x, sy += y, sw += w, sxx += x * x, sxy += x * y, syy += y * y;

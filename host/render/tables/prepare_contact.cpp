@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What objects hide of the ambient light, and send instead, in a frame.
+// Ambient light that objects hide, and the light that they send instead, in a frame.
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +9,7 @@
 namespace mixrig::render {
 namespace {
 
-/// Irradiance of a surface without shadows.
+/// Irradiance of a surface, without shadows.
 glm::vec3 light_on(const geometry::Light& light, const glm::dvec3& at_m, const glm::dvec3& normal) {
   glm::dvec3 sum(to_glm(light.ambient));
   for (const geometry::Lamp& lamp : light.lamps)

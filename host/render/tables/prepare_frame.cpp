@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Transforms of a frame: the virtual objects, the room and its light in camera axes.
+// Transforms of a frame: brings the virtual objects, the room and its light into camera axes.
 #include <algorithm>
 #include <utility>
 
@@ -8,13 +8,14 @@
 namespace mixrig::render {
 namespace {
 
-/// Cells by which a receiver is lifted along its normal off the real things that hide the lamps:
-/// the learned depth is noisy.
+/// Cells by which a receiver is moved along its normal off the real things that hide lamps: the
+/// learned depth is noisy.
 constexpr float kRoomLiftCells = 0.5F;
-/// Intensity of a lamp that a frame turns off: it keeps its maps.
+/// Intensity of a lamp that a frame turns off; not 0, so that it keeps its maps.
 constexpr float kFaintest = 1e-12F;
 
-/// Whether light is found once and stays, but for what people hide, so that it may take longer.
+/// Whether light is computed once and kept, except for what people hide, so that it may take
+/// longer.
 bool light_stays(const CompositorSetup& setup) {
   return setup.background_models.empty() && !setup.lens_moves;
 }
@@ -88,13 +89,13 @@ FramePreparer::FramePreparer(const CompositorSetup& setup) : setup_(setup) {
   if (setup.first_pose) find_room(*setup.first_pose);
 }
 
-/// The floor's plane, raised by its tolerance, as inverse depth along the rays of this pose.
+/// Sets the floor's plane, raised by its tolerance, as inverse depth along the rays of this pose.
 void FramePreparer::update_floor(const glm::dmat4& world_from_camera) {
   if (params_.key.by != KeyBy::kVolume) return;
   const CaptureBox& box = *setup_.capture_box;
   const double height_m =
       world_from_camera[3].z - (box.min_m.z + static_cast<double>(box.floor_tolerance_m));
-  // Seen from below the floor hides nothing that it could be told from.
+  // From below, nothing can be told from the floor.
   params_.key.floor_w = height_m > kNearestM
                             ? glm::vec3(-glm::dvec3(world_from_camera[0].z, world_from_camera[1].z,
                                                     world_from_camera[2].z) /
@@ -102,7 +103,8 @@ void FramePreparer::update_floor(const glm::dmat4& world_from_camera) {
                             : glm::vec3(0);
 }
 
-/// A still background is where the first pose puts it. Found once: lamps, objects and room stay.
+/// Finds what the room hides of lamps and its ambient light, once: lamps, objects and room stay. A
+/// still background is placed by the first pose.
 void FramePreparer::find_room(const geometry::Pose& world_from_target) {
   if (std::exchange(has_room_, true)) return;
   ambient_ = make_ambient(setup_, world_from_target), ambient_then_ = to_glm(setup_.light.ambient);
@@ -123,7 +125,8 @@ void FramePreparer::update_room(const geometry::Pose& world_from_target) {
   params_.room.lift_m = kRoomLiftCells * static_cast<float>(room_.cell_m);
 }
 
-/// Found once, with the room's shade; later it is as much brighter as the constant part is.
+/// Scales the ambient light by direction, found once, as the setup's constant ambient light
+/// changes.
 void FramePreparer::update_ambient(const geometry::Pose& world_from_target) {
   LightParams& light = params_.light;
   light.ambient = to_glm(setup_.light.ambient);
@@ -151,7 +154,7 @@ void FramePreparer::update(const geometry::Pose& world_from_target, const SetupC
                          world_from_target.translation_m != last_pose_.translation_m;
   params_.maps_changed = params_.room_changed = false;
   if (!params_.pose_changed) return;
-  // Lamps of which there are parts are whole once an object has moved.
+  // Panels become whole lamps once an object has moved.
   const bool split = parts_.size() > setup_.light.lamps.size();
   if (light_changed && split) parts_ = parts_of_lamps(setup_.light.lamps);
   if ((light_changed && !split) || (objects_moved && split)) {

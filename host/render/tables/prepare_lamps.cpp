@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lamps of a frame and the fields of their shadow maps.
+// Lamps of a frame and the fields of view of their shadow maps.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,13 +11,13 @@
 namespace mixrig::render {
 namespace {
 
-/// Along an axis, so that the border of a shadow where an object touches the floor is that of a
-/// pixel.
+/// Map texels along each axis for a view pixel: the border of a contact shadow is then as sharp as
+/// a pixel.
 constexpr int kMapTexelsPerPixel = 2;
 constexpr int kSmallestMap = 256, kLargestMap = 1024;
-// The four maps of a panel's parts have as many texels as the largest one of all of it.
+// The maps of a panel's four parts together have as many texels as its largest single map.
 constexpr int kLargestPartMap = 512;
-/// World to lamp axes: z from the lamp towards `target`.
+/// Lamp axes from world: z points from the lamp towards `target`.
 glm::dmat4 lamp_from_world(const glm::dvec3& lamp, const glm::dvec3& target) {
   const glm::dvec3 z = glm::normalize(target - lamp);
   const glm::dvec3 other = std::abs(z.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
@@ -29,7 +29,7 @@ glm::dmat4 lamp_from_world(const glm::dvec3& lamp, const glm::dvec3& target) {
   return m;
 }
 
-/// Corners of an object's box, in world.
+/// Corners of an object's box, in world axes.
 void append_corners(const VirtualObject& object, std::vector<glm::dvec3>& corners) {
   glm::vec3 low(std::numeric_limits<float>::max()), high = -low;
   for (const MeshView& mesh : object.meshes)
@@ -115,10 +115,11 @@ std::vector<LampPart> parts_of_lamps(const std::vector<geometry::Lamp>& lamps) {
   return parts;
 }
 
-/// Boxes of the objects, and the maps of the lamps around those that cast shadows.
+/// Updates the objects' boxes, and the fields of the lamps' maps around those that cast shadows.
 void FramePreparer::fit_objects() {
-  map_size_ = 0;                                          // maps are drawn again
-  if (!people_fits_.empty()) people_fits_[0].near_m = 0;  // so are those of people
+  map_size_ = 0;  // forces the maps to be redrawn
+  // Forces the maps of people to be fitted again.
+  if (!people_fits_.empty()) people_fits_[0].near_m = 0;
   corners_m_.clear(), caster_corners_m_.clear(), fits_.clear();
   for (const VirtualObject& object : setup_.objects) {
     append_corners(object, corners_m_);
@@ -128,8 +129,8 @@ void FramePreparer::fit_objects() {
   fit_people_grid();
 }
 
-/// A map of what lies between `corners_m`, a multiple of eight; none for a lamp that cannot light
-/// it.
+/// Fits a map to what lies between `corners_m` (a multiple of eight); an empty fit for a lamp that
+/// cannot light it.
 FramePreparer::MapFit FramePreparer::fit_map(const geometry::Lamp& lamp,
                                              std::span<const glm::dvec3> corners_m) const {
   MapFit fit;
@@ -142,7 +143,7 @@ FramePreparer::MapFit FramePreparer::fit_map(const geometry::Lamp& lamp,
   glm::dvec3 low = corners_m[0], high = low;
   for (const glm::dvec3& p : corners_m) low = glm::min(low, p), high = glm::max(high, p);
   const glm::dvec3 center = 0.5 * (low + high);
-  // A lamp at the centre has no direction to it: its own is taken, or straight down.
+  // A lamp at the centre has no direction towards it: its own is used, or straight down.
   const bool at_center = glm::distance(center, lamp_m) < kNearestM;
   const glm::dvec3 fallback = lamp.direction ? to_glm(*lamp.direction) : glm::dvec3(0, 0, -1);
   fit.lamp_from_world = lamp_from_world(lamp_m, at_center ? lamp_m + fallback : center);
@@ -157,7 +158,7 @@ FramePreparer::MapFit FramePreparer::fit_map(const geometry::Lamp& lamp,
   return fit;
 }
 
-/// Texels across: twice as many as view pixels across the casters, as a power of two, so that a
+/// Texels across a map: twice the view pixels across the casters, as a power of two, so that a
 /// moving camera seldom changes it.
 int FramePreparer::map_size(const glm::dmat4& camera_from_world) const {
   Rect rect;
@@ -187,7 +188,7 @@ LampParams FramePreparer::lamp_params(const geometry::Lamp& lamp, const MapFit& 
     const auto [u_m, v_m] = half_sides_m(lamp, glm::transpose(turn)[2]);
     out.panel_u = turn * u_m / disc_radius_m(lamp), out.panel_v = turn * v_m / disc_radius_m(lamp);
   }
-  // One texel of margin, so that what lies outside the map is lit.
+  // One texel of margin keeps points outside the map lit.
   out.map_focal_texel = (out.map_center_texel - 1) / static_cast<float>(fit.tan_half);
   out.casters_near_m = static_cast<float>(fit.near_m);
   return out;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lens of a frame: the view behind it, and where the plate shows what the view does.
+// The lens of a frame: its view, and the plate pixel of each view pixel.
 #include "host/math/geometry/lens_table.h"
 #include "host/render/tables/prepare.h"
 
@@ -17,8 +17,8 @@ geometry::Pinhole view_through(const CompositorSetup& setup, const geometry::Pin
 
 void plate_row(const geometry::CameraModel& target, const geometry::Pinhole& view, int y,
                glm::vec2* out) {
-  // As CameraModel::project() of (x, y, 1), pixel by pixel, without branches and with values of its
-  // own, so that it vectorises.
+  // Projects (x, y, 1) as CameraModel::project() does, without branches and with local copies, so
+  // that the loop vectorises.
   const geometry::Lens::Coefficients k = target.lens.coefficients();
   const geometry::Pinhole plate = target.pinhole;
   const double ray_y = (y - view.cy_px) / view.fy_px, domain_r2 = target.lens.domain_r2();
@@ -32,7 +32,7 @@ void plate_row(const geometry::CameraModel& target, const geometry::Pinhole& vie
         (1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]))) / (1 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])));
     const double u = ray_x * gain + 2 * k[2] * xy + k[3] * (r2 + 2 * ray_x * ray_x);
     const double v = ray_y * gain + k[2] * (r2 + 2 * ray_y2) + 2 * k[3] * xy;
-    // Where the lens sees nothing the plate's corner is used.
+    // Where the lens has no pixel, the plate's corner (0, 0) is used.
     const double plate_x = plate.fx_px * u + plate.cx_px, plate_y = plate.fy_px * v + plate.cy_px;
     to[2 * x] = static_cast<float>(r2 <= domain_r2 ? plate_x : 0.0);
     to[2 * x + 1] = static_cast<float>(r2 <= domain_r2 ? plate_y : 0.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where people's shadows are looked for: the fields of the lamps' maps of people, and the grid of
+// Where people's shadows are computed: the fields of the lamps' maps of people, and the grid of
 // points around the objects.
 #include <algorithm>
 #include <array>
@@ -10,27 +10,29 @@
 namespace mixrig::render {
 namespace {
 
-/// Texels across a map of people: 2 cm on the floor under a lamp that sees 143 degrees; around the
-/// objects alone fewer will do.
+/// Texels across a map of people: 2 cm on the floor under a lamp that sees 143 degrees. Maps around
+/// the objects alone need fewer.
 constexpr int kPeopleMap = 1024, kPeopleMapOfObjects = 128;
-/// Without a capture volume people are looked for between these distances from the camera.
+/// Without a capture volume, people are expected between these distances from the camera.
 constexpr double kNearPeopleM = 0.3, kFarPeopleM = 6.0;
-/// Between a lamp and the objects they are no nearer to it than this part of the way.
+/// Least distance of people from a lamp, as a part of the distance from the lamp to the objects.
 constexpr double kPeopleNearPart = 0.4;
-/// Metres between points of the grid; wider by steps where they were more than kMostPeoplePoints.
+/// Metres between grid points, and the factor by which they are spread while they are more than
+/// kMostPeoplePoints.
 constexpr double kPeopleCellM = 0.08, kPeopleCellStep = 1.1;
-/// Metres that the grid reaches beyond the objects at most, to where their shadows fall.
+/// Metres that the grid may extend beyond the objects, to where their shadows fall.
 constexpr double kPeopleGridBeyondM = 1;
 
-/// Whether people are looked for between the lamps and the objects alone.
+/// Whether people matter only between the lamps and the objects: there is neither a capture volume
+/// nor a set.
 bool people_around_objects(const CompositorSetup& setup) {
   return !setup.capture_box &&
          std::none_of(setup.objects.begin(), setup.objects.end(),
                       [](const VirtualObject& object) { return object.in_set; });
 }
 
-/// Where the shadow of a point falls on the height of the objects' foot; the point itself where the
-/// lamp is not above it.
+/// Where the shadow of a point falls at the height of the objects' lowest point; the point itself
+/// if the lamp is not above it.
 glm::dvec3 shadow_of(const glm::dvec3& lamp_m, const glm::dvec3& p, double foot_m) {
   const double fall_m = lamp_m.z - p.z;
   return fall_m > kNearestM ? p + (p.z - foot_m) / fall_m * (p - lamp_m) : p;
@@ -38,8 +40,8 @@ glm::dvec3 shadow_of(const glm::dvec3& lamp_m, const glm::dvec3& p, double foot_
 
 }  // namespace
 
-/// Maps of the capture volume; without one, of what lies between a lamp and the objects, or of what
-/// the camera sees of a set, which is all around.
+/// Fits the maps of people to the capture volume; without one, to what lies between a lamp and the
+/// objects, or, with a set around the camera, to what the camera sees.
 void FramePreparer::fit_people_maps(const geometry::Pose& world_from_target) {
   const bool around_objects = people_around_objects(setup_);
   const bool stay = setup_.capture_box || around_objects;
@@ -48,7 +50,7 @@ void FramePreparer::fit_people_maps(const geometry::Pose& world_from_target) {
     for (std::size_t i = 0; i < people_fits_.size(); ++i) {
       const geometry::Lamp& lamp = setup_.light.lamps[i];
       people_fits_[i] = fit_map(lamp, corners_m_);
-      // The floor in the objects' penumbrae, and the filters around it.
+      // Widened by the floor in the objects' penumbrae and the filters around it.
       if (people_fits_[i].tan_half > 0)
         people_fits_[i].tan_half =
             std::min(kLargestTanHalf,
@@ -78,7 +80,7 @@ void FramePreparer::fit_people_maps(const geometry::Pose& world_from_target) {
   }
 }
 
-/// Around the objects and where their shadows fall, if that is not far.
+/// Fits the grid around the objects and their shadows, as far as kPeopleGridBeyondM.
 void FramePreparer::fit_people_grid() {
   people_grid_ = {};
   if (params_.people_lamps.empty() || corners_m_.empty() || !people_around_objects(setup_)) return;
@@ -92,7 +94,7 @@ void FramePreparer::fit_people_grid() {
       low = glm::max(least, glm::min(low, p)), high = glm::min(most, glm::max(high, p));
     }
   double cell_m = kPeopleCellM;
-  // A cell beyond on each side: the learned floor is noisy.
+  // One cell more on each side, because the learned floor is noisy.
   const auto cells = [&] { return glm::ivec3(glm::ceil((high - low) / cell_m)) + 3; };
   const auto points = [](const glm::ivec3& count) { return 1.0 * count.x * count.y * count.z; };
   while (points(cells()) > kMostPeoplePoints) cell_m *= kPeopleCellStep;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tables of a second depth camera.
+// Builds the tables of a second depth camera.
 #include <cmath>
 #include <limits>
 
@@ -8,7 +8,8 @@
 namespace mixrig::render {
 namespace {
 
-/// Focal length of a picture without lens that holds all rays of the camera, at most its own.
+/// Factor of the focal length, at most 1, at which a picture without distortion holds all rays of
+/// the camera.
 double focal_that_holds(const geometry::Pinhole& camera, const Image<glm::vec2>& rays) {
   double share = 1;
   const auto hold = [&](double ray, double center_px, double last_px, double focal_px) {
@@ -24,7 +25,7 @@ double focal_that_holds(const geometry::Pinhole& camera, const Image<glm::vec2>&
   return std::max(share, 0.25);
 }
 
-/// `other_rays`: of `other`.
+/// `other_rays`: rays of the pixels of `other`.
 AgreeTables agree_tables(const geometry::Pose& other_from_tof, const geometry::CameraModel& other,
                          const Image<glm::vec2>& other_rays) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();

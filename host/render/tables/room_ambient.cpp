@@ -14,12 +14,13 @@ namespace mixrig::render {
 namespace {
 
 constexpr double kMostAmbientSamples = 40000;  // of a picture
-/// Directions are counted in parts of the sphere of one size.
+/// The sphere is divided into parts of equal area.
 constexpr int kAmbientRings = 12, kAmbientColumns = 24;
-constexpr double kLampMarginM = 0.1;  // around a panel is its frame
-/// Metres: what is nearer to the objects' box, as the floor below it, is covered by them.
+constexpr double kLampMarginM = 0.1;  // the frame around a panel
+/// Metres: surfaces nearer to the objects' box, such as the floor below it, are covered by the
+/// objects.
 constexpr double kCoveredM = 0.05;
-/// Mean square of each polynomial over the sphere.
+/// Mean square of each spherical-harmonics polynomial over the sphere.
 constexpr std::array<double, kAmbientTermCount> kMeanSquare{
     1, 1. / 3, 1. / 3, 1. / 3, 1. / 15, 1. / 15, 4. / 5, 1. / 15, 4. / 15};
 
@@ -28,7 +29,7 @@ std::array<double, kAmbientTermCount> polynomials(const glm::dvec3& d) {
       1, d.y, d.z, d.x, d.x * d.y, d.y * d.z, 3 * d.z * d.z - 1, d.x * d.z, d.x * d.x - d.y * d.y};
 }
 
-/// A box in world axes.
+/// Box around the objects, in world axes.
 struct ObjectsBox {
   glm::dvec3 low{std::numeric_limits<double>::max()}, high{-low};
   glm::dvec3 middle_m() const { return 0.5 * (low + high); }
@@ -52,13 +53,13 @@ ObjectsBox box_of(const std::vector<VirtualObject>& objects) {
   return box;
 }
 
-/// Light that comes to a place, summed up by direction.
+/// Light that reaches a point, summed by direction.
 class LightFromRoom {
  public:
   LightFromRoom(const CompositorSetup& setup)
       : lamps_(setup.light.lamps), box_(box_of(setup.objects)) {}
 
-  /// A surface that covers `per_m2` steradians from a metre away.
+  /// Adds a surface that covers `per_m2` steradians at a distance of a metre.
   void add(const glm::dvec3& world_m, const glm::dvec3& linear, double per_m2) {
     if (box_.holds(world_m) || is_lamp(world_m)) return;
     const glm::dvec3 to = world_m - box_.middle_m();
@@ -72,7 +73,7 @@ class LightFromRoom {
     part += per_m2 / distance2 * glm::dvec4(linear, 1);
   }
 
-  /// `unseen`: light from where nothing was added. None where nothing was added at all.
+  /// `unseen`: light from parts to which nothing was added. Nullopt if nothing was added at all.
   std::optional<AmbientTerms> terms(const glm::dvec3& unseen, double exposure) const {
     std::array<glm::dvec3, kAmbientTermCount> sums{};
     bool any = false;
@@ -97,7 +98,7 @@ class LightFromRoom {
              0.5 * glm::length(to_glm(lamp.size_m)) + kLampMarginM;
     });
   }
-  /// Middle of a part.
+  /// Direction of the middle of a part.
   static glm::dvec3 direction(int part) {
     const double z = (part / kAmbientColumns + 0.5) / kAmbientRings * 2 - 1;
     const double turn =
@@ -110,7 +111,7 @@ class LightFromRoom {
   std::array<glm::dvec4, std::size_t{kAmbientRings} * kAmbientColumns> parts_{};
 };
 
-/// `linear_at(x, y)`: of a depth sample, with a negative red where it is unknown.
+/// `linear_at(x, y)`: linear colour of a depth sample, with a negative red where it is unknown.
 template <typename LinearAt>
 void add_radiance(ImageView<const float> depth_m, const geometry::Pinhole& camera,
                   const geometry::Pose& world_from_camera, LinearAt&& linear_at,
@@ -173,7 +174,7 @@ std::optional<AmbientTerms> make_ambient(const CompositorSetup& setup,
   LightFromRoom light(setup);
   add_still_background(setup, world_from_camera, light);
   for (const BackgroundModel& model : setup.background_models) add_model(model, light);
-  // The exposure as LightParams has it, by which the terms are multiplied again.
+  // The exposure in the precision of LightParams, which multiplies the terms again.
   return light.terms(glm::dvec3(to_glm(setup.light.ambient)),
                      double{static_cast<float>(setup.light.exposure)});
 }

@@ -11,16 +11,17 @@
 namespace mixrig::render {
 namespace {
 
-/// Neighbours whose inverse depths differ by this part, and by twice what they do a pixel further
-/// on either side, are a step.
+/// Neighbours form a step if their inverse depths differ by this part, and by twice as much as
+/// those of the next pixels on either side.
 constexpr float kStepPart = 0.03F;
-/// Samples within this part of each other are one surface.
+/// Samples whose inverse depths differ by at most this part are one surface.
 constexpr float kSamePart = 0.04F;
-/// Spread of colours on a surface, square roots of linear light.
+/// Standard deviation of colours on a surface, in square roots of linear light.
 constexpr float kColorSpread = 0.05F;
-/// Share of the weights that decides, and that gives a pixel without depth one.
+/// Share of the weights that a surface needs to take a pixel, and to give depth to a pixel without
+/// one.
 constexpr float kMost = 0.5F, kMostOfHole = 0.7F;
-/// Least confidence of a sample at a step.
+/// Least confidence of a sample, at a step.
 constexpr float kLeastSure = 0.05F;
 
 struct Sample {
@@ -64,7 +65,7 @@ class RoomEdges {
   float w(int x, int y) const {
     return x < 0 || y < 0 || x >= size_.width || y >= size_.height ? 0 : w_.row(y)[x];
   }
-  /// Between (x, y) and its neighbour to the right or below.
+  /// Whether a step lies between (x, y) and its neighbour to the right or below.
   bool is_step(int x, int y, int dx, int dy) const {
     const float a = w(x, y), b = w(x + dx, y + dy);
     if (!(a > 0) || !(b > 0)) return (a > 0) != (b > 0);
@@ -75,7 +76,7 @@ class RoomEdges {
         std::max(before > 0 ? std::abs(a - before) : 0.0F, after > 0 ? std::abs(after - b) : 0.0F);
     return step > 2 * slope;
   }
-  /// Distance of each pixel's middle from the nearest step, as far as reach_px_.
+  /// Distance of each pixel's centre from the nearest step, up to reach_px_.
   void find_steps() {
     for (int y = 0; y < size_.height; ++y)
       for (int x = 0; x < size_.width; ++x) {
@@ -140,7 +141,7 @@ class RoomEdges {
     const float low = samples_[best_first].w, high = samples_[best_end - 1].w;
     return 1 / std::clamp(w, low - kSamePart * low, high + kSamePart * high);
   }
-  /// Inverse depth in the middle of the plane through the samples; slopes are damped.
+  /// Inverse depth at the centre of the plane through the samples; slopes are damped.
   float plane_at(std::size_t first, std::size_t end) const {
     glm::dmat3 normal(0);
     glm::dvec3 right(0);

@@ -10,15 +10,14 @@
 
 namespace mixrig::render {
 namespace {
-
-constexpr double kMostVertices = 40000;  // of a picture
-/// Neighbours whose depths differ by a larger part belong to two surfaces, unless they go on as a
-/// plane: seen at a grazing angle its depth changes fast.
+constexpr double kMostVertices = 40000;  // most vertices of a picture
+/// Neighbours whose depths differ by a larger part are two surfaces, unless they continue as a
+/// plane: at a grazing angle its depth changes fast.
 constexpr float kLargestStep = 0.06F;
 constexpr float kLargestChange = 1.25F;
 constexpr std::uint32_t kNoVertex = ~std::uint32_t{0};
 
-/// A depth picture thinned out.
+/// A depth picture, subsampled.
 class CoarsePicture {
  public:
   CoarsePicture(ImageView<const float> depth_m, const geometry::Pinhole& camera)
@@ -28,7 +27,7 @@ class CoarsePicture {
                               static_cast<double>(depth_m.size.area()) / kMostVertices))))) {}
   int columns() const { return (depth_m_.size.width + step_ - 1) / step_; }
   int rows() const { return (depth_m_.size.height + step_ - 1) / step_; }
-  /// z of a sample; 0 where it is not known, or outside.
+  /// z of a sample; 0 if unknown or outside.
   float z(int i, int j) const {
     if (i < 0 || j < 0 || i >= columns() || j >= rows()) return 0;
     const float z_m = depth_m_.row(j * step_)[i * step_];
@@ -48,7 +47,7 @@ class CoarsePicture {
   }
 
  private:
-  /// The inverse depth of a plane is affine over the picture.
+  /// Whether three depths in line lie on a plane, whose inverse depth is affine over the picture.
   static bool in_plane(float a, float b, float c) {
     const float low = std::min({a, b, c}), high = std::max({a, b, c});
     return low > 0 && high <= kLargestChange * low &&
@@ -60,7 +59,7 @@ class CoarsePicture {
   int step_;
 };
 
-/// Adds the surfaces of one depth picture.
+/// Adds the surfaces of one depth picture to the mesh.
 void add_picture(const CoarsePicture& picture, const glm::dmat4& world_from_picture,
                  RoomMesh& mesh) {
   Image<std::uint32_t> vertex({picture.columns(), picture.rows()}, kNoVertex);

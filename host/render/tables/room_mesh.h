@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The real room as far as it was learned, as a coarse mesh: what stands between lamps and objects.
+// The learned real room as a coarse mesh, which can stand between lamps and objects.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,15 @@
 
 namespace mixrig::render {
 
-/// World axes, metres. Not closed: what no camera saw is missing.
+/// Triangles in world axes, metres. Not closed: surfaces that no camera saw are missing.
 struct RoomMesh {
   std::vector<glm::vec3> positions_m;
-  std::vector<std::uint32_t> indices;  ///< three a triangle, turned to any side
+  std::vector<std::uint32_t> indices;  ///< three a triangle, of either orientation
 };
 
-/// Of the still background as the camera at `world_from_camera` sees it, or of all background
-/// models. Some 40000 vertices a picture; cut at depth steps. Empty without a background.
+/// Builds the mesh of the still background as the camera at `world_from_camera` sees it, or of all
+/// background models: some 40000 vertices a picture, cut at depth steps. Empty without a
+/// background.
 RoomMesh make_room_mesh(const CompositorSetup& setup, const geometry::Pose& world_from_camera);
 
 }  // namespace mixrig::render

@@ -11,13 +11,12 @@
 
 namespace mixrig::render {
 namespace {
-
-constexpr int kLampPoints = 16;  // of a panel, each with a map of its own
+constexpr int kLampPoints = 16;  // of a panel, each with its own map
 constexpr int kRoomMapTexels = 256;
 constexpr double kMostTanHalf = 3.0;
 constexpr float kLampNearM = 0.2F;  // nearer to a lamp is its own housing
 constexpr double kLeastCellM = 0.04, kMostGridPoints = 1e5;
-/// A lamp that is seen better everywhere counts as not hidden.
+/// A lamp of which every receiver sees at least this share counts as not hidden.
 constexpr float kMostSeen = 0.98F;
 
 struct Box {
@@ -26,7 +25,7 @@ struct Box {
   void add(const glm::dvec3& p) { low = glm::min(low, p), high = glm::max(high, p); }
 };
 
-/// The ball around an object's box.
+/// Bounding sphere of an object's box.
 struct ObjectBall {
   glm::dvec3 center_m;
   double radius_m = 0;
@@ -41,7 +40,7 @@ Box box_of(const VirtualObject& object) {
   return box;
 }
 
-/// Whether the shadow of a ball can reach a point.
+/// Whether the shadow of a sphere can reach a point.
 bool may_shade(const geometry::Lamp& lamp, const ObjectBall& ball, const glm::dvec3& p) {
   const glm::dvec3 lamp_m = to_glm(lamp.position_m);
   const glm::dvec3 axis = ball.center_m - lamp_m, to = p - lamp_m;
@@ -52,7 +51,8 @@ bool may_shade(const geometry::Lamp& lamp, const ObjectBall& ball, const glm::dv
   return glm::dot(axis, to) >= std::sqrt(1 - across * across) * distance * glm::length(to);
 }
 
-/// Where it matters what a lamp shows: the objects, and the real surfaces that they can shade.
+/// Places where a lamp's visibility matters: the objects, and the real surfaces that they can
+/// shade.
 struct Receivers {
   std::vector<Box> objects;
   std::vector<glm::dvec3> room_m;
@@ -83,12 +83,12 @@ Receivers find_receivers(const CompositorSetup& setup, const RoomMesh& room) {
   return found;
 }
 
-/// What a point of a lamp sees of the room: inverse depths, the nearest of a texel.
+/// Depth map of the room from a point of a lamp: the largest inverse depth of each texel.
 class LampView {
  public:
   LampView() : w_({kRoomMapTexels, kRoomMapTexels}) {}
 
-  /// Looks from `eye_m` at a box.
+  /// Clears the map and aims it from `eye_m` at a box.
   void look(const glm::dvec3& eye_m, const Box& box) {
     const glm::dvec3 z = glm::normalize(0.5 * (box.low + box.high) - eye_m);
     const glm::dvec3 other = std::abs(z.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
@@ -107,7 +107,7 @@ class LampView {
     focal_ = static_cast<float>((kCenter - 1) / std::min(tan_half, kMostTanHalf));
     w_.fill(0);
   }
-  /// (u, v, w): texels and inverse depth; w 0 where it is too near or behind.
+  /// (u, v, w): texel coordinates and inverse depth; all 0 if the point is too near or behind.
   glm::vec3 project(const glm::dvec3& world_m) const {
     const glm::vec3 p(axes_ * (world_m - eye_m_));
     if (!(p.z > kLampNearM)) return glm::vec3(0);
@@ -128,7 +128,7 @@ class LampView {
         w_.row(y)[x] = std::max(w_.row(y)[x], a.z + s * ab.z + t * ac.z);
       }
   }
-  /// Whether the room hides the eye from a point, by what is `least_m` before it at least.
+  /// Whether the room hides the eye from a point, by a surface at least `least_m` before it.
   bool hides(const glm::dvec3& world_m, float least_m) const {
     const glm::vec3 p = project(world_m);
     if (p.z == 0) return false;
@@ -139,7 +139,7 @@ class LampView {
 
  private:
   static constexpr float kCenter = 0.5F * (kRoomMapTexels - 1);
-  /// Whole texels between two places, within the map.
+  /// First and last whole texel between two places, within the map.
   static std::pair<int, int> texels(float low, float high) {
     return {static_cast<int>(std::ceil(std::max(low, 0.0F))),
             static_cast<int>(std::floor(std::min(high, 1.0F * (kRoomMapTexels - 1))))};
@@ -151,7 +151,7 @@ class LampView {
   Image<float> w_;
 };
 
-/// Points spread over a panel; one for a point lamp.
+/// Points spread over a panel; a single one for a point lamp.
 std::vector<glm::dvec3> points_of(const geometry::Lamp& lamp, const glm::dvec3& target_m) {
   const glm::dvec3 middle_m = to_glm(lamp.position_m);
   if (!(disc_radius_m(lamp) > 0)) return {middle_m};
@@ -193,7 +193,7 @@ bool needs_room_shade(const CompositorSetup& setup) {
 
 namespace {
 
-/// Shares of one lamp at all points of the grid.
+/// Visible shares of one lamp at all points of the grid.
 class LampGrid {
  public:
   LampGrid(const RoomShade& grid, const RoomMesh& room)
@@ -211,7 +211,7 @@ class LampGrid {
       subtract_hidden(1 / static_cast<float>(eyes.size()));
     }
   }
-  /// Whether any receiver sees less than the lamp's whole.
+  /// Whether any receiver sees noticeably less than the whole lamp.
   bool matters(const geometry::Lamp& lamp, const Receivers& receivers) const {
     const auto dark = [&](const glm::ivec3& cell) { return share_[index(cell)] < kMostSeen; };
     for (const Box& box : receivers.objects) {

@@ -17,32 +17,32 @@
 namespace mixrig::render {
 namespace {
 
-/// Depths within this part of each other are one surface.
+/// Neighbouring depths within this part of each other are one surface.
 constexpr float kJoinedPart = 0.06F;
-/// What lies behind a border is farther by at least this part.
+/// A pixel behind a border is farther by at least this part.
 constexpr float kBehindPart = 0.1F;
 constexpr double kLeastOfPicture = 0.002, kMostOfPicture = 0.5;
-constexpr double kLeastBehind = 0.8;  ///< of the border
-/// Its noise over the square of its depth, of the median of the picture.
+constexpr double kLeastBehind = 0.8;  ///< share of the border that has something behind it
+/// Least noise over squared depth of a wrapped area, relative to the picture's median.
 constexpr float kWrappedNoise = 5;
-/// Strips without depth beside a border are at most this part of the picture's width.
+/// Widest strip without depth beside a border, as one over this part of the picture's width.
 constexpr int kStripOfWidth = 64;
 constexpr int kFits = 4;
 
-/// What lies behind the border of an area.
+/// A pixel behind the border of an area.
 struct Behind {
   double x_px, y_px, w;
 };
 
 struct AreaEdge {
-  int pixels = 0;            ///< of the border
-  bool leaves_view = false;  ///< it reaches the picture's border
+  int pixels = 0;            ///< pixels of the border
+  bool leaves_view = false;  ///< the area touches the picture's border
   std::vector<Behind> behind;
   std::vector<float> noise;
 };
 
-/// Inverse depth over the picture, (1, x, y) . plane, of most: what is off by more than twice the
-/// median does not count when it is fitted again.
+/// Robust fit of inverse depth over the picture, (1, x, y) . plane: samples that are off by more
+/// than twice the median are left out of the next fit.
 Eigen::Vector3d plane_behind(const std::vector<Behind>& all) {
   const auto row = [](const Behind& b) { return Eigen::Vector3d(1, b.x_px, b.y_px); };
   Eigen::Vector3d plane = Eigen::Vector3d::Zero();
@@ -89,8 +89,8 @@ class Areas {
   }
 
  private:
-  /// Whether the square of four pixels from (x, y) on shows one surface. Areas are made of such
-  /// squares, so that single pixels between two depths join none.
+  /// Whether the square of four pixels from (x, y) on shows one surface. Areas are joined by such
+  /// squares, so that single pixels between two depths connect nothing.
   bool is_one(int x, int y) const {
     const auto [low, high] = std::minmax({z(x, y), z(x + 1, y), z(x, y + 1), z(x + 1, y + 1)});
     return low > 0 && high - low <= kJoinedPart * low;
@@ -107,7 +107,7 @@ class Areas {
     a = root_of(a), b = root_of(b);
     parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
   }
-  /// Of the areas whose size may be that of a mirror.
+  /// Roots of the areas whose size fits a mirror.
   std::vector<int> roots() {
     std::vector<int> count(parent_.size());
     for (std::size_t i = 0; i < parent_.size(); ++i)
@@ -119,7 +119,7 @@ class Areas {
         roots.push_back(static_cast<int>(i));
     return roots;
   }
-  /// What is behind an area, if it is wrapped.
+  /// The plane behind an area, if the area is wrapped.
   std::optional<Eigen::Vector3d> plane_of_wrapped(int root) {
     AreaEdge edge;
     for (int y = 0; y < size_.height; ++y)

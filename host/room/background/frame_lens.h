@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lens of each frame of a lens that zooms: as the compositor takes it, and what there is to say
-// about it.
+// The lens of each frame of a zooming lens, for the compositor and for the report.
 #pragma once
 
 #include <array>
@@ -13,15 +12,15 @@
 
 namespace mixrig::session {
 
-/// None where the lens of the setup holds.
+/// Lens of a frame; nullopt where the setup's lens holds.
 std::optional<geometry::LensState> frame_lens(const capture::Capture& capture);
-/// The view that a frame is composited in.
+/// The view in which a frame is composited.
 geometry::Pinhole frame_view(const render::CompositorSetup& setup, const capture::Capture& capture);
-/// Pose of the centre of projection, for a pose of the target camera's frame.
+/// Pose of the centre of projection for a pose of the target camera's frame.
 geometry::Pose world_from_pupil(const geometry::Pose& world_from_target,
                                 const capture::Capture& capture);
 
-/// Frames of a lens that zooms.
+/// Counts frames of a zooming lens.
 struct LensReport {
   std::array<std::uint64_t, capture::kLensOrigins> frames{};  ///< by LensOrigin
   std::uint64_t changed = 0;               ///< frames whose lens is not that of the frame before
@@ -29,16 +28,19 @@ struct LensReport {
   double least_fx_px = 0, most_fx_px = 0;  ///< of the lens
 };
 
-/// Counts the lenses of the frames, and warns once of each thing that is wrong. Nothing allocates
-/// but for warnings. One thread.
+/// Counts the lenses of frames, and warns once of each problem. Only warnings allocate. For one
+/// thread.
 class LensWatch {
  public:
-  /// `learned`: the one view that people are keyed against; null where the room was scanned, or
-  /// nothing was learned. It must outlive this.
+  /// `learned`: the single view that people are keyed against; null if the room was scanned or
+  /// nothing was learned. It must outlive this object.
+  /// Frames whose lens differs from that of the frame before.
   LensWatch(const render::CompositorSetup& setup, const model::StaticBackground* learned)
+      /// Frames whose view shows more than was learned of the room.
       : setup_(setup), learned_(learned) {}
+  /// Range over all frames.
   void add(const capture::Capture& capture, const geometry::Pose& world_from_target);
-  /// None where the lens is that of the setup in all frames.
+  /// Nullopt if all frames have the setup's lens.
   const std::optional<LensReport>& report() const { return report_; }
 
  private:

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What frames saw of the room: depth and colour in the view of a setup, and the same from
-// elsewhere.
+// Depth and colour of frames in the view of a setup, and as seen from elsewhere.
 #pragma once
 
 #include <memory>
@@ -13,12 +12,13 @@
 
 namespace mixrig::session {
 
-/// Frames in the view of `setup`, without objects, key or light. One thread.
+/// Warps frames into the view of `setup`, without objects, key or light. For one thread.
 class FrameViews {
  public:
   /// Errors: those of make_compositor().
   static Result<FrameViews> make(const render::CompositorSetup& setup, BackendChoice backend);
-  /// Colour and warped depth, valid until the next call. Errors: as Compositor::compose().
+  /// Colour and warped depth of a frame, valid until the next call. Errors: those of
+  /// Compositor::compose().
   Result<const render::FrameOutput*> of(const capture::Capture& capture);
 
  private:
@@ -26,15 +26,15 @@ class FrameViews {
   render::FrameOutput output_;
 };
 
-/// One frame at a time as seen from elsewhere. One thread.
+/// Draws one frame at a time as seen from elsewhere. For one thread.
 class WideFrame {
  public:
-  /// `crew` must outlive it.
+  /// `crew` must outlive this object.
   WideFrame(const render::CompositorSetup& setup, const WideView& wide, Crew& crew);
-  /// Draws what the camera saw from a pose: colour and warped depth in `view`.
+  /// Draws what the camera saw at a pose into `wide`. `seen`: colour and warped depth in `view`.
   void draw(const geometry::Pinhole& view, const geometry::Pose& world_from_view,
             const render::FrameOutput& seen);
-  const Image<float>& depth_m() const { return depth_m_; }  ///< 0 where the colour is unknown too
+  const Image<float>& depth_m() const { return depth_m_; }  ///< 0 also where the colour is unknown
   const Image<Rgb8>& color() const { return color_; }
 
  private:

@@ -15,28 +15,28 @@
 
 namespace mixrig::session {
 
-/// Errors: kFormat for frames that the source lacks.
+/// Checks that the source has the frames of `range`. Errors: kFormat if not.
 Result<void> check_empty_frames(const capture::SourceInfo& info, FrameRange range);
 
-/// Warps frames `range` of a source into the view of `setup` and learns the empty room from them.
-/// Where `poses` (null: the camera stands still) says that the camera moved between the frames, or
-/// the lens did, they are drawn in one wider view first; a live source cannot be read twice for
-/// this. Errors: kFormat for frames that the source lacks; kData where the camera of a live source
-/// moved, or turned too far for one view; those of reading, composing and learning.
+/// Learns the empty room from frames `range` of a source, warped into the view of `setup`. If
+/// camera (by `poses`; null: it stands still) or lens moved between the frames, they are first
+/// drawn in one wider view; a live source cannot be read twice for this. Errors: kFormat for frames
+/// that the source lacks; kData if the camera of a live source moved, or a camera turned too far
+/// for one view; those of reading, composing and learning.
 Result<model::StaticBackground> learn_background(capture::CaptureSource& source,
                                                  const render::CompositorSetup& setup,
                                                  FrameRange range, BackendChoice backend,
                                                  const ProgressFn& progress,
                                                  capture::PoseSource* poses = nullptr);
 
-/// What a frame shows, and from where.
+/// Pinhole and pose of a frame.
 struct PosedView {
   geometry::Pinhole camera;
   geometry::Pose world_from_camera;
 };
-/// An ideal camera that sees all of what `views` (one or more) see, at the resolution of the finest
-/// one, and its pose: the mean position, along the mean direction. Pure.
-/// Errors: kData where the poses turn too far for one pinhole.
+/// An ideal camera that sees everything that `views` (one or more) see, at the resolution of the
+/// finest one, with its pose at their mean position along their mean direction. Pure. Errors: kData
+/// if the poses turn too far for one pinhole.
 struct WideView {
   geometry::Pinhole camera;
   geometry::Pose world_from_camera;

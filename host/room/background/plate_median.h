@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One colour picture from those of a view's frames, without who walked through.
+// Combines the pictures of a view's frames into one, without passers-by.
 #pragma once
 
 #include <vector>
@@ -9,17 +9,17 @@
 
 namespace mixrig::model {
 
-/// Median of each pixel and channel over the frames of a view: what is in less than half of them is
-/// not in it, and noise is lower. Of many frames the first kMostPlates count, of two the first. Not
-/// thread-safe; its memory is kept for the next view.
+/// Median of each pixel and channel over the frames of a view: removes what less than half of the
+/// frames show, and lowers noise. Uses the first kMostPlates of more frames, and the first of two.
+/// Not thread-safe; keeps its memory for the next view.
 class PlateMedian {
  public:
   static constexpr std::size_t kMostPlates = 9;
 
   void clear() { count_ = 0; }
-  /// Pictures of one size.
+  /// Adds a picture; all must have one size.
   void add(ImageView<const Rgb8> plate);
-  /// Of an even count the mean of the two middle values, rounded up.
+  /// Writes the median; for an even count the mean of the two middle values, rounded up.
   void finish(Image<Rgb8>& plate, Crew& crew) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cells of the room in which frames and model disagree, and for how long they have. Private to this
+// Cells of the room in which frames disagree with the model, and for how long. Private to this
 // folder.
 #pragma once
 
@@ -14,30 +14,31 @@
 
 namespace mixrig::model {
 
-/// A cube of the room that holds a surface which the model lacks, or one of the model's that is
-/// seen through.
+/// A cube of the room: it holds a surface that the model lacks, or a surface of the model that
+/// frames see through.
 struct ChangeCell {
-  Eigen::Vector3f point_m{0, 0, 0};  ///< of the surface, world
-  float held_s = 0;                  ///< time in which frames agreed with it
-  float against_s = 0;               ///< in which they did not
-  float streak_s = 0;                ///< of that since they last agreed
+  Eigen::Vector3f point_m{0, 0, 0};  ///< mean of the surface, world
+  float held_s = 0;                  ///< time in which frames confirmed it
+  float against_s = 0;               ///< time in which frames contradicted it
+  float streak_s = 0;                ///< part of against_s since frames last confirmed it
   double first_s = 0, seen_s = 0;
-  /// Measured z less that of the point. Frames are dealt to two halves, whose noise is independent:
-  /// the covariance of their averages is of what moves alone.
+  /// Measured z less z of the point. Frames alternate between two halves with independent noise, so
+  /// that the covariance of the halves' averages comes from movement alone.
   struct Half {
-    float smooth_m = 0;  ///< averaged over a moment
-    float mean_m = 0;    ///< lately
+    float smooth_m = 0;  ///< short-term average
+    float mean_m = 0;    ///< long-term average
   };
   std::array<Half, 2> halves{};
   int looks = 0;
-  float covariance_m2 = 0, weight = 0;  ///< of the halves, lately; less than 1: since it is
-  int points = 0;                                 ///< averaged in point_m
+  /// Recent covariance of the halves; weight below 1: younger than the average.
+  float covariance_m2 = 0, weight = 0;
+  int points = 0;  ///< number of points averaged in point_m
   int change = 0;  ///< number of the change that it belongs to; 0: none
-  int slot = -1;   ///< where in the grid; -1: not in use
+  int slot = -1;   ///< index in the grid; -1: not in use
 };
 
-/// Grid of one kind of evidence. Memory is constant: at most kMostVoxels of at least
-/// kLeastVoxel_m, and kMostCells in use. Not thread-safe; nothing allocates after it was made.
+/// Grid of one kind of evidence. Memory is constant: at most kMostVoxels voxels of at least
+/// kLeastVoxel_m, and kMostCells cells in use. Not thread-safe; allocates in the constructor only.
 class ChangeCells {
  public:
   enum class Kind { kSurface, kHole };
@@ -47,13 +48,13 @@ class ChangeCells {
 
   ChangeCells(Kind kind, const Eigen::AlignedBox3d& room_m);
 
-  /// Holds the cells against a frame `dt_s` after the last one, and adds those that are new.
+  /// Compares the cells with a frame `dt_s` after the last one, and adds new cells.
   void add(const FrameSight& sight, double dt_s);
   double voxel_m() const { return voxel_m_; }
   std::span<ChangeCell> cells() { return cells_; }
   std::span<const ChangeCell> cells() const { return cells_; }
-  /// Indices of cells in use within `reach` voxels of a point along each axis, until `visit` gives
-  /// false.
+  /// Calls visit(index) for cells in use within `reach` voxels of a point along each axis, until it
+  /// returns false.
   template <typename Visit>
   void around(const Eigen::Vector3d& world_m, int reach, Visit&& visit) const;
   void free(ChangeCell& cell);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The brightness of surfaces that are where the model has them. Private to this folder.
+// Watches the brightness of surfaces that are where the model has them. Private to this folder.
 #pragma once
 
 #include <optional>
@@ -11,35 +11,35 @@
 
 namespace mixrig::model {
 
-/// What the light of the room is, lately, in parts of that of the model.
+/// Recent light of the room relative to the model's.
 struct LightState {
   Eigen::Array3d factor{1, 1, 1};  ///< median over the room; linear red, green, blue
-  double uneven_share = 0;         ///< of the room, off that factor by kUneven
-  int patches = 0;                 ///< that were seen lately
+  double uneven_share = 0;         ///< share of the room that is off that factor by kUneven
+  int patches = 0;                 ///< number of patches seen recently
 };
 
-/// Cubes of the room and the mean of their colour over the model's. Constant memory; nothing
-/// allocates after it was made. Not thread-safe.
+/// Divides the room into cubes and averages the ratio of measured to model colour in each. Constant
+/// memory; allocates in the constructor only. Not thread-safe.
 class LightWatch {
  public:
   static constexpr double kLeastPatch_m = 0.3;
   static constexpr double kMostPatches = 65536;
-  static constexpr double kUneven = 1.3;  ///< and its inverse
+  static constexpr double kUneven = 1.3;  ///< as a factor, or its inverse
   /// A patch whose colour is off the others' by this factor has changed by itself.
   static constexpr double kOwnColor = 1.5;
 
   struct Patch {
-    Eigen::Array3d sum_seen{0, 0, 0}, sum_model{0, 0, 0};  ///< of the frame at hand
+    Eigen::Array3d sum_seen{0, 0, 0}, sum_model{0, 0, 0};  ///< sums over the current frame
     int samples = 0;
     Eigen::Array3d log_factor{0, 0, 0};
     double first_s = 0, seen_s = -1;
-    double off_s = 0;  ///< time that its colour was off the others'
-    int change = 0;    ///< as ChangeCell::change
+    double off_s = 0;  ///< time in which its colour was off the others'
+    int change = 0;    ///< number of the change that it belongs to; 0: none
   };
 
   explicit LightWatch(const Eigen::AlignedBox3d& room_m);
   void add(const FrameSight& sight, double dt_s);
-  /// Of patches seen within the last second and a half.
+  /// By the patches seen within the last 1.5 s.
   const LightState& state() const { return state_; }
   double patch_m() const { return patch_m_; }
   Eigen::Vector3d center_m(std::size_t patch) const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Watches a room while it is composited: what is no longer as its model says, told apart from
-// people by how long and how still it stays.
+// Watches a room while it is composited: finds changes relative to its model, and tells them from
+// people by how long and how still they stay.
 #pragma once
 
 #include <span>
@@ -16,58 +16,60 @@
 
 namespace mixrig::model {
 
-/// Times for which frames must see a change before it is one.
+/// Times for which frames must see a change before it counts, seconds.
 struct WatchOptions {
   double gone_s = 8;       ///< longer than a door stays open
   double appeared_s = 12;  ///< people stand still for seconds
-  double color_s = 20;     ///< so do their shadows
+  double color_s = 20;     ///< people's shadows stay as long
   double lights_s = 2;
-  /// What moves by more, root mean square without noise, or by 1/12 of the sigma of a depth, is no
-  /// thing.
+  /// A thing must move by less than this, root mean square without noise, metres, or less than 1/12
+  /// of the sigma of a depth.
   double still_m = 0.001;
 };
 
-/// The same with all times but that of lights in proportion to that of what appeared.
+/// Options that scale all times except `lights_s` with `appeared_s`.
 WatchOptions watch_options(double appeared_s);
 
-/// Constant memory; add() allocates nothing but for a change that is new. Not thread-safe.
+/// Constant memory; add() allocates only for a new change. Not thread-safe.
 class RoomWatch {
  public:
-  /// `room_m`: around the surfaces of the model, world.
+  /// `room_m`: box around the surfaces of the model, world.
   RoomWatch(const Eigen::AlignedBox3d& room_m, const geometry::DepthNoise& noise,
             const WatchOptions& options = {});
 
-  /// Frames in the order of their times. True where a change was found that is new.
+  /// Adds a frame, in order of time. Returns whether a new change was found.
   bool add(const WatchFrame& frame);
-  /// All so far, in the order in which they were found; what was accepted and what is over too.
+  /// All changes so far in the order in which they were found, also accepted ones and those that
+  /// are over.
   std::vector<RoomChange> changes() const;
-  /// Those found since the last call. What moved is told again when its other half is found.
+  /// Changes found since the last call. A moved thing is reported again when its other half is
+  /// found.
   std::vector<RoomChange> news();
 
-  /// Whether anything waits to be accepted.
+  /// Whether a change waits to be accepted.
   bool any_open() const;
-  /// Of a change that waits: cells of its new surfaces, and of those that it took away.
+  /// Places of the cells of changes that wait: of new surfaces, or of surfaces that are gone.
   std::vector<Eigen::Vector3d> open_places(ChangeCells::Kind kind) const;
   /// Whether such a cell lies within `reach` voxels of a place.
   bool is_open(ChangeCells::Kind kind, const Eigen::Vector3d& world_m, int reach) const;
   double voxel_m() const { return surfaces_.voxel_m(); }
-  /// Share of the open cells that the last frame saw, 0..1.
+  /// Share of the cells of waiting changes that the last frame saw, 0..1.
   double seen_share() const;
-  /// Light of the last frames in parts of the model's.
+  /// Recent light relative to the model's.
   Eigen::Array3d light_factor() const { return lights_.state().factor; }
-  /// From now on frames are held against a model that has the open changes.
+  /// Compares later frames with a model that contains the waiting changes.
   void accept();
 
  private:
-  /// A change and what it is made of.
+  /// A change with the sums it is computed from.
   struct Found {
     RoomChange change;
     Eigen::AlignedBox3d box_m;
     double held_s = 0, against_s = 0;  ///< sums over its cells
     int cells = 0;
-    int partner = 0;      ///< number of the hole of a thing that moved
-    bool hidden = false;  ///< it is the partner of another one
-    bool told = false;
+    int partner = 0;      ///< number of the hole that a moved thing left; 0: none
+    bool hidden = false;  ///< it is the partner of another change
+    bool told = false;    ///< reported by news()
   };
   struct Cluster;
 
@@ -94,7 +96,7 @@ class RoomWatch {
   ChangeCells surfaces_, holes_;
   LightWatch lights_;
   std::vector<Found> found_;
-  std::vector<std::size_t> members_;  ///< of a cluster
+  std::vector<std::size_t> members_;  ///< cells of the current cluster
   std::vector<std::uint8_t> visited_;
   std::vector<float> values_;
   bool started_ = false, news_ = false;

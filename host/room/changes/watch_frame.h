@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a frame measured beside what the model of the room says, in one ideal view.
+// Compares a frame's measurements with the model of the room, in one ideal view.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,19 +11,19 @@
 
 namespace mixrig::model {
 
-/// Borrowed; all images have the view's size.
+/// Inputs of a frame, borrowed; all images have the view's size.
 struct WatchFrame {
   double time_s = 0;
   geometry::Pinhole view;
   geometry::Pose world_from_view;
   ImageView<const float> depth_m;        ///< measured z, 0 unknown
-  ImageView<const Rgb8> color;           ///< sRGB, measured
+  ImageView<const Rgb8> color;           ///< measured, sRGB
   ImageView<const float> model_depth_m;  ///< 0 unknown
   ImageView<const Rgbf> model_color;     ///< linear, red negative: unknown; may be empty
 };
 
-/// A frame made ready to be compared. Borders of surfaces say nothing: there, half a pixel decides.
-/// One thread; keeps its memory.
+/// Prepares a frame for comparison. Borders of surfaces are ignored, because half a pixel decides
+/// there. For one thread; reuses its memory.
 class FrameSight {
  public:
   explicit FrameSight(const geometry::DepthNoise& noise) : noise_(noise) {}
@@ -33,25 +33,24 @@ class FrameSight {
   int height() const { return frame_.view.size_px.height; }
 
   enum class Beside { kNothing, kSame, kNearer };
-  /// What is measured at a pixel against the model's surfaces within kReach_px of it.
+  /// Compares the measurement at a pixel with the model's surfaces within kReach_px of it.
   Beside compare(int x, int y) const;
-  /// Whether the model's surface at a pixel is not there: all that is measured within kReach_px of
-  /// it is farther. Narrow parts count too, but not those of a single pixel.
+  /// Whether the model's surface at a pixel is gone: everything measured within kReach_px is
+  /// farther. Narrow surfaces count too, but not single pixels.
   bool is_seen_through(int x, int y) const;
-  /// Measured z, 0 where unknown or beside a step.
+  /// Measured z; 0 where unknown or beside a depth step.
   float steady_m(int x, int y) const { return steady_m_.row(y)[x]; }
-  /// Mean of the steady z of a pixel and of those around it on the same surface; 0 where unknown.
+  /// Mean of the steady z of a pixel and its neighbours on the same surface; 0 where unknown.
   float mean_m(int x, int y) const;
-  /// Nearest of the measured z within kReach_px that have a neighbour on their surface; 0 without
-  /// one.
+  /// Nearest measured z within kReach_px that has a neighbour on its surface; 0 if there is none.
   float nearest_m(int x, int y) const {
     const float z = seen_near_m_.row(y)[x];
     return z < kNoDepth_m ? z : 0;
   }
-  /// z by which two surfaces at z must differ.
+  /// Least difference in z between two surfaces at z.
   float step_m(float z_m) const;
   Eigen::Vector3d world(int x, int y, float z_m) const;
-  /// Pixel of a point of the world, and its z; false outside of the view.
+  /// Pixel and z of a world point; false outside the view.
   bool find(const Eigen::Vector3d& world_m, int& x, int& y, float& z_m) const;
 
   static constexpr int kReach_px = 2;
@@ -70,9 +69,9 @@ class FrameSight {
   geometry::Pose view_from_world_;
   Eigen::Matrix3d turn_;
   Image<float> steady_m_;
-  Image<float> near_m_, far_m_;          ///< of the model within reach; near 0: one is unknown
-  Image<float> shared_m_, seen_near_m_;  ///< measured, and the nearest of that within reach
-  Image<float> row_near_m_, row_far_m_;  ///< along the row
+  Image<float> near_m_, far_m_;  ///< of the model within reach; near 0: one of them is unknown
+  Image<float> shared_m_, seen_near_m_;  ///< measured, and the nearest of it within reach
+  Image<float> row_near_m_, row_far_m_;  ///< within reach along the row
 };
 
 }  // namespace mixrig::model

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A depth picture as points in the axes of the view that was clicked in.
+// A depth picture as points in axes of the clicked view.
 #pragma once
 
 #include <vector>
@@ -10,21 +10,20 @@
 
 namespace mixrig::model {
 
-/// A pixel of the depth camera in axes of the view.
+/// A pixel of the depth camera.
 struct ClickSample {
-  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< zero: unknown
-  Eigen::Vector3d ray =
-      Eigen::Vector3d::Zero();  ///< depth 1 along the depth camera's axis, its axes
-  double sigma_m = 0;           ///< of z
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< axes of the view; zero: unknown
+  Eigen::Vector3d ray = Eigen::Vector3d::Zero();      ///< axes of the depth camera, with z = 1
+  double sigma_m = 0;                                 ///< of z
   bool known() const { return sigma_m > 0; }
 };
 
-/// Of the depth picture.
+/// A pixel of the depth picture.
 struct ClickPlace {
   int x = 0, y = 0;
 };
 
-/// Keeps `picture`, which must live as long.
+/// Borrows `picture`, which must outlive this object.
 class ClickGrid {
  public:
   explicit ClickGrid(const ClickPicture& picture);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plane under a pixel, from a depth picture (Frahm, Koeser, Grest and Koch 2005, section 6).
+// Finds the plane under a pixel of a depth picture (Frahm, Koeser, Grest and Koch 2005, section 6).
 #pragma once
 
 #include <optional>
@@ -17,49 +17,51 @@
 
 namespace mixrig::model {
 
-/// A depth picture and the view that was clicked in.
+/// A depth picture and the view that was clicked.
 struct ClickPicture {
   ImageView<const float> depth_m;  ///< of the depth camera; 0 = unknown
   const geometry::CameraModel* tof = nullptr;
-  bool depth_is_distance = false;  ///< along the ray, not along z
+  bool depth_is_distance = false;  ///< depth values are distances along the ray, not z
   geometry::DepthNoise noise;
   geometry::Pinhole view;
   geometry::Pose view_from_tof;
 };
 
 struct Click {
-  Eigen::Vector2d px;                      ///< of the view
-  std::optional<Eigen::Vector2d> rect_px;  ///< looked at around it; a sixteenth of the view's width
+  Eigen::Vector2d px;  ///< view pixel
+  /// Window around it; absent: a sixteenth of the view's width.
+  std::optional<Eigen::Vector2d> rect_px;
 };
 
-/// Axes of the view.
+/// The plane found, in axes of the view.
 struct ClickedPlane {
   geometry::Plane plane;        ///< normal towards the camera
-  Eigen::Vector3d point_m;      ///< of the plane, under the pixel
+  Eigen::Vector3d point_m;      ///< point of the plane under the pixel
   double normal_sigma_rad = 0;  ///< along its worse axis
-  double offset_sigma_m = 0;    ///< of the plane at `point_m`, along the normal
+  double offset_sigma_m = 0;    ///< of the plane at `point_m`, along its normal
   double residual = 0;          ///< root mean square of the points, in sigmas of the depth
-  int points = 0;               ///< of the region
-  double area_m2 = 0;           ///< of the region
+  int points = 0;               ///< number of points in the region
+  double area_m2 = 0;           ///< area of the region
   Image<std::uint8_t> region;   ///< pixels of the depth picture: 1 where the plane goes on
 };
 
+/// Why no plane was found.
 enum class ClickRefusal {
-  kOutside,  ///< no pixel of the view, or not in the depth camera's field
+  kOutside,  ///< not in the view, or not in the depth camera's field
   kUnknown,  ///< no depth: glass, black, too far
   kEdge,     ///< several surfaces
-  kNotFlat,  ///< curved or rough: a person, hair; surfaces that meet
+  kNotFlat,  ///< curved or rough: a person, hair; or surfaces that meet
   kGrazing,  ///< seen at less than 5 degrees
   kSmall,    ///< the flat part is too small
 };
-/// One sentence.
+/// Explains a refusal in one sentence.
 std::string_view text_of(ClickRefusal refusal);
 
-/// A plane through the depths around the pixel that agree with one (estimation::fit_plane_robust),
-/// grown over neighbours within three sigmas to its border, and fitted again to all of them by
-/// least squares of inverse depth, which is linear in the ray, weighted by the depth's noise. What
-/// a step parts from the click, even one within the noise of a depth (click_step.h), belongs to the
-/// region but not to the fit. Sigma of the depth holds a share that neighbours have in common
+/// Finds a plane through the depths around the pixel (estimation::fit_plane_robust), grows it over
+/// neighbours within three sigmas to its border, and fits it again to all of them by least squares
+/// of inverse depth, which is linear in the ray, weighted by the depth's noise. What a step
+/// separates from the click, even one within the noise of a depth (click_step.h), belongs to the
+/// region but not to the fit. The sigma includes a share that neighbours have in common
 /// (kCommonShare). Pure; time grows with the pixels of the depth picture.
 std::variant<ClickedPlane, ClickRefusal> plane_under(const ClickPicture& picture,
                                                      const Click& click);

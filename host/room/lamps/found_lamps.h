@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lamps that a scene has found when it is opened.
+// Finds the lamps of a scene when it is opened.
 #pragma once
 
 #include "hal/base/result.h"
@@ -7,9 +7,9 @@
 
 namespace mixrig::session {
 
-/// Where light.lamps = "find", sets the scene's lamps by its scanned room, as `mixrig lights
-/// --model` does: their intensity and the ambient light where its planes tell them. A room without
-/// a lamp is a warning. Takes seconds. Errors: kFormat without a scanned room; those of reading it.
+/// If light.lamps = "find", sets the scene's lamps by its scanned room, as `mixrig lights --model`
+/// does, with intensity and ambient light where the room's planes show them. Warns if the room has
+/// no lamp. Takes seconds. Errors: kFormat without a scanned room; those of reading it.
 Result<void> find_scene_lamps(scene::Scene& scene);
 
 }  // namespace mixrig::session

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bright region drawn onto a plane: where a flat lamp's middle is, and how large it is.
+// Projects a bright region onto a plane: centre and size of a flat lamp.
 #pragma once
 
 #include <optional>
@@ -12,14 +12,13 @@
 namespace mixrig::lights {
 
 struct PanelSpot {
-  Eigen::Vector3d centre_m;  ///< of its area, on the plane
-  Eigen::Vector2d size_m;    ///< of the rectangle along geometry::panel_axes() with the same second
-                             ///< moments
+  Eigen::Vector3d centre_m;  ///< centre of its area on the plane
+  Eigen::Vector2d size_m;  ///< rectangle along geometry::panel_axes() with the same second moments
 };
 
-/// The centre of gravity of a flat lamp is not in the middle of its solid angle, since its near
-/// half looks larger: each ray counts by the area that it covers on the plane. nullopt where the
-/// region has no ray, or rays meet the plane behind or at less than 5 degrees.
+/// Finds the centre of a flat lamp, which is not the middle of its solid angle since its near half
+/// looks larger: each ray counts by the area that it covers on the plane. Nullopt if the region has
+/// no ray, or rays meet the plane behind the camera or at less than 5 degrees.
 std::optional<PanelSpot> spot_on_plane(const BrightRegion& region,
                                        const geometry::Pose& world_from_camera,
                                        const Eigen::Vector3d& point_m,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which lamps of a room have changed since it was learned, told apart from the camera's exposure.
+// Finds which lamps of a room have changed since it was learned, apart from the camera's exposure.
 #pragma once
 
 #include <optional>
@@ -10,33 +10,33 @@
 
 namespace mixrig::lights {
 
-/// A place of the learned room and what it shows now.
+/// A place of the learned room and its present brightness.
 struct WatchedPlace {
-  /// Of its light when it was learned, by source: ambient first, then each lamp; the sum is 1.
+  /// Shares of its learned light by source, ambient first, then each lamp; the sum is 1.
   Eigen::VectorXd share;
   double ratio = 0;  ///< linear plate now over learned colour
-  int surface = 0;   ///< places of one number lie together, on one side of things
+  int surface = 0;   ///< places with the same number lie together, on one side of things
 };
 
-/// Of each source, ambient first.
+/// Changes of all sources; each vector has one entry a source, ambient first.
 struct LightChange {
-  /// Light now over light then, times the camera's gain: what a place shows is sum(share * shown).
+  /// Light now over light then, times the camera's gain: a place's ratio is sum(share * shown).
   Eigen::VectorXd shown;
-  Eigen::VectorXd sigma;  ///< of `shown`, by the scatter of the places
-  /// Share of its light, 0..1, that falls on surfaces which its own change explains better than the
-  /// gain alone; and how many these are.
+  Eigen::VectorXd sigma;  ///< of `shown`, from the scatter of the places
+  /// Share of the source's light, 0..1, that falls on surfaces which its own change explains better
+  /// than the gain alone; and the number of these surfaces.
   Eigen::VectorXd agreed;
   Eigen::VectorXi surfaces;
-  Eigen::VectorXd part;      ///< of the light at the places when they were learned; the sum is 1
-  double gain = 1;           ///< the camera's: what most of the light agrees on, by its share
-  double gain_weight = 0;    ///< share of the light that agrees on it, 0..1
+  Eigen::VectorXd part;  ///< share of all light at the places when they were learned; the sum is 1
+  double gain = 1;       ///< the camera's gain, on which most of the light agrees
+  double gain_weight = 0;    ///< share of the light that agrees on the gain, 0..1
   double places_weight = 0;  ///< share of the places that the sources explain, 0..1
 };
 
-/// Least squares with Tukey's weights, no source below zero: people and things that moved are
-/// outliers while they fill less than half of the places. A source that the places do not tell from
-/// others stays near the median ratio. Nullopt with fewer than 100 places. Pure; every share must
-/// have as many sources.
+/// Fits the changes by least squares with Tukey's weights, no source below zero: people and moved
+/// things are outliers while they cover less than half of the places. A source that the places do
+/// not distinguish stays near the median ratio. Nullopt with less than 100 places. Pure.
+/// Precondition: every `share` has the same length.
 std::optional<LightChange> fit_light_change(std::span<const WatchedPlace> places);
 
 }  // namespace mixrig::lights

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lamps of a room, from the fisheye's pictures of a take, a scanned room, or both.
+// Finds the lamps of a room from the fisheye pictures of a take, a scanned room, or both.
 #pragma once
 
 #include <filesystem>
@@ -18,36 +18,36 @@
 namespace mixrig::session {
 
 struct LightsOptions {
-  std::filesystem::path take;         ///< empty: of the room alone
-  std::filesystem::path room;         ///< empty: of the take alone
-  std::filesystem::path poses;        ///< TUM lines; empty: true ones, else tracked in the room
-  bool poses_of_fisheye = false;      ///< of the fisheye; else of the target camera
+  std::filesystem::path take;         ///< empty: only the room is used
+  std::filesystem::path room;         ///< empty: only the take is used
+  std::filesystem::path poses;        ///< TUM lines; empty: true poses, else tracked in the room
+  bool poses_of_fisheye = false;      ///< `poses` are of the fisheye, else of the target camera
   std::filesystem::path calibration;  ///< empty: the take's
-  std::optional<geometry::Pose> world_from_base;  ///< of the room; absent: as its folder says
-  geometry::Pose otherwise_from_base;             ///< where neither says where the room stands
+  std::optional<geometry::Pose> world_from_base;  ///< pose of the room; absent: as its folder says
+  geometry::Pose otherwise_from_base;             ///< used if neither gives a pose
   std::filesystem::path drawing;     ///< PNG of a picture with its candidates; empty: none
-  std::vector<BracketFile> bracket;  ///< of the take's fisheye at a picture's place; empty: none
-  int bracket_frame = 1;             ///< of the take: that place
+  std::vector<BracketFile> bracket;  ///< pictures of the fisheye at one frame's place; empty: none
+  int bracket_frame = 1;             ///< that frame of the take
   lights::LampOptions lamps;
-  double exposure = 1;                     ///< of the scene that they are for
-  int threads = 0;                         ///< 0: one per core
+  double exposure = 1;                     ///< of the scene that the lamps are for
+  int threads = 0;                         ///< 0: one a core
   std::function<void(int, int)> progress;  ///< done and total; may be empty
 };
 
 struct RoomLights {
   lights::LampSearch search;
-  std::vector<geometry::Lamp> lamps;  ///< search.lamps as a scene has them
-  /// By the room's shading. Degenerate without a room, and where it does not tell; then all lamps
-  /// have the same radiance, an assumption.
+  std::vector<geometry::Lamp> lamps;  ///< search.lamps for a scene
+  /// Light by the room's shading. Degenerate without a room, or if its shading does not show it;
+  /// all lamps are then assumed to have the same radiance.
   estimation::Estimate<lights::RoomLight> light;
-  /// Of each lamp, relative, by LightsOptions::bracket; empty without. Ratios of the intensities
-  /// follow from it and the lamps' sizes.
+  /// Relative radiance of each lamp by LightsOptions::bracket; empty without one. With the lamps'
+  /// sizes it gives the ratios of the intensities.
   std::vector<double> radiance;
   int pictures = 0, without_pose = 0;
 };
 
-/// Errors: kUsage without a take and a room, or where nothing gives poses; those of take, room,
-/// calibration and poses; kData where no picture has a pose; kIo of the drawing.
+/// Finds the lamps. Errors: kUsage without take and room, or without poses; those of take, room,
+/// calibration and poses; kData if no picture has a pose; kIo of the drawing.
 Result<RoomLights> find_lights(const LightsOptions& options);
 
 /// {"lamps": [{"name", "position_m", "sigma_mm", "direction", "size_m", "intensity",
@@ -58,7 +58,7 @@ Result<RoomLights> find_lights(const LightsOptions& options);
 /// {"intensity": "assumed", "reason"}}.
 nlohmann::json to_json(const RoomLights& lights);
 
-/// Writes the lamps (and the ambient light, where it was measured) into a scene, whose other text
+/// Writes the lamps, and the ambient light if it was measured, into a scene file, whose other text
 /// stays. Errors: those of reading, scene::with_lamps(), kIo.
 Result<void> write_lights(const RoomLights& lights, const std::filesystem::path& scene);
 

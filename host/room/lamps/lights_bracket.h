@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How bright found lamps are for each other, from pictures of the fisheye at several exposures.
+// Relative brightness of found lamps, from fisheye pictures at several exposures.
 #pragma once
 
 #include <filesystem>
@@ -12,16 +12,17 @@
 
 namespace mixrig::session {
 
-/// A picture of the fisheye.
+/// A fisheye picture of a bracket.
+/// Relative to the other pictures, above 0.
 struct BracketFile {
   std::filesystem::path picture;
   double exposure = 1;  ///< relative to that of the other ones, above 0
 };
 
-/// Mean radiance of each lamp, relative, by its region in view `view`, from whose place the
-/// pictures were taken. Errors: kUsage for less than two pictures; those of reading; kData where a
-/// picture has another size than the camera's, where the view does not show a lamp, and where one
-/// is black, or too bright for all pictures.
+/// Relative mean radiance of each lamp, by its region in view `view`, from whose place the pictures
+/// were taken. Errors: kUsage for less than two pictures; those of reading; kData if a picture's
+/// size differs from the camera's, if the view does not show a lamp, or a lamp is black or too
+/// bright in all pictures.
 Result<std::vector<double>> radiance_by_bracket(std::span<const BracketFile> files,
                                                 const geometry::AnyCamera& camera,
                                                 std::span<const lights::LampView> views, int view,

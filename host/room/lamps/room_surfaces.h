@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scanned room says about places in it: surfaces, what lies behind a wall, what is seen from
-// where.
+// Queries on a scanned room: surfaces, places behind walls, lines of sight.
 #pragma once
 
 #include <optional>
@@ -13,15 +12,15 @@
 
 namespace mixrig::lights {
 
-/// A place on a surface of the room, world axes.
+/// A point on a surface of the room, world axes.
 struct SurfacePoint {
   Eigen::Vector3d position_m;
   Eigen::Vector3d normal;  ///< unit, into the room
-  double sigma_m = 0;      ///< of its distance from the origin of the scan
+  double sigma_m = 0;      ///< of its distance from the scan's origin
   int x = 0, y = 0;        ///< pixel of the panorama's distances
 };
 
-/// Immutable; any thread. Borrows nothing: the panorama is moved in.
+/// Immutable; may be used by any thread. Owns the panorama.
 class RoomSurfaces {
  public:
   RoomSurfaces(model::Panorama panorama, const geometry::Pose& world_from_base);
@@ -30,23 +29,23 @@ class RoomSurfaces {
   const geometry::Pose& world_from_base() const { return world_from_base_; }
   const std::vector<model::RoomPlane>& planes() const { return planes_; }
 
-  /// The surface at a pixel of the panorama; nullopt where it or its neighbours are unknown.
+  /// The surface at a pixel of the panorama; nullopt if it or its neighbours are unknown.
   std::optional<SurfacePoint> at(int x, int y) const;
   /// The surface that the scan saw in the direction of a point.
   std::optional<SurfacePoint> towards(const Eigen::Vector3d& position_m) const;
-  /// The first surface on a ray, by steps of a fiftieth of its length; nullopt where it meets none.
+  /// The first surface on a ray, in steps of a fiftieth of its length; nullopt if it meets none.
   std::optional<SurfacePoint> meet(const Eigen::Vector3d& from_m, const Eigen::Vector3d& ray,
                                    double most_m = 20) const;
-  /// Whether a point lies more than `margin_m` behind a large plane that goes on around it: seen in
-  /// a mirror, through a window, or below the floor.
+  /// Whether a point lies more than `margin_m` behind a large plane that continues around it: seen
+  /// in a mirror, through a window, or below the floor.
   bool behind_plane(const Eigen::Vector3d& position_m, double margin_m) const;
-  /// Whether no known surface lies between two points; 4 cm at either end do not count.
+  /// Whether no known surface lies between two points; 4 cm at either end are ignored.
   bool open(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m) const;
 
  private:
   struct Pixel {
     int x = 0, y = 0;
-    double distance_m = 0;  ///< of the point
+    double distance_m = 0;  ///< distance of the point from the origin
   };
   Pixel pixel_of(const Eigen::Vector3d& in_base_m) const;
   std::optional<double> first_hit(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,

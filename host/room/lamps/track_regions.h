@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bright regions of successive pictures that are the same thing.
+// Joins bright regions of successive pictures that show the same thing.
 #pragma once
 
 #include <span>
@@ -9,9 +9,9 @@
 
 namespace mixrig::lights {
 
-/// Each region of a view goes on with the track whose last direction is nearest, both being each
-/// other's best, within what the camera's movement explains for a thing 1 m away, and a size
-/// within a factor of four.
+/// Joins each region of a view to the track with the nearest last direction, if each is the other's
+/// best, within what the camera's movement explains for a thing 1 m away, and within a factor of
+/// four in size.
 std::vector<std::vector<Sighting>> track_regions(std::span<const LampView> views);
 
 }  // namespace mixrig::lights

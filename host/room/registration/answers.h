@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses between two rooms that may be the answer. Private to this module.
+// Candidate poses between two rooms. Private to this module.
 #pragma once
 
 #include <vector>
@@ -16,23 +16,23 @@ struct Answer {
   double color = 0;  ///< color_agreement()
 };
 
-/// Whether the evidence alone would do: a fifth of the places is seen by both, 70 % of these agree,
-/// and 60 % where those count that the other room hides.
+/// Whether the evidence alone suffices: a fifth of the places is seen by both rooms, 70 % of these
+/// agree, and 60 % if places that the other room hides are counted too.
 inline constexpr double kLeastOverlap = 0.2, kLeastAgreeing = 0.7, kLeastOfKnown = 0.6;
 inline bool is_plausible(const Evidence& e) {
   return e.overlap() >= kLeastOverlap && e.agreeing() >= kLeastAgreeing &&
          e.of_known() >= kLeastOfKnown;
 }
 
-/// From triples of planes, and from floor and one wall with steps along it, refined; none within
-/// 0.1 m and 3 degrees of another; the one with the most evidence first. Those with far less
-/// evidence are left out, unless what they say agrees about as well.
+/// Candidates from triples of planes, and from the floor and one wall with steps along it, refined;
+/// none within 0.1 m and 3 degrees of another, the one with the most evidence first. Candidates
+/// with far less evidence are dropped, unless their evidence agrees about as well.
 std::vector<Answer> find_answers(const Panorama& a, const Panorama& b,
                                  const std::vector<RoomPlane>& of_a,
                                  const std::vector<RoomPlane>& of_b, const Sides& fine_sides,
                                  const RegistrationOptions& options, Crew& crew);
 
-/// Of the fine sides.
+/// Distance of the places of the fine sides.
 inline constexpr double kFineStep_rad = 2 * kDeg;
 
 /// Sorts the first ones by falling value, ties in their order.

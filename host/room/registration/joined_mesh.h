@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangles of rooms that are joined: each surface by the room that saw it best.
+// Triangles of joined rooms: each surface from the room that saw it best.
 #pragma once
 
 #include <vector>
@@ -16,12 +16,12 @@ struct JoinedPart {
   geometry::Pose first_from_base;
 };
 
-/// grid_mesh() of each part without the triangles that another part sees better: both agree there
-/// to 20 mm or three sigma, and its sigma over the cosine of incidence is less (of equal ones the
-/// earlier part counts). In the axes of its own room; not simplified.
+/// grid_mesh() of each part without triangles that another part sees better: both agree there to 20
+/// mm or three sigma, and the other's sigma over the cosine of incidence is less (the earlier part
+/// wins ties). In the axes of its own room; not simplified.
 std::vector<RoomMesh> joined_grids(const std::vector<JoinedPart>& parts, Crew& crew);
 
-/// Positions and normals in the axes of the first room.
+/// Transforms positions and normals into the axes of the first room.
 void place(const geometry::Pose& first_from_base, RoomMesh& mesh);
 
 }  // namespace mixrig::model

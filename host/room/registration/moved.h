@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What was moved between two scans. Private to this module.
+// Finds what was moved between two scans. Private to this module.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace mixrig::model {
 
-/// Where places of either room lie in what the other sees as free space, more than 50 mm off; the
-/// largest first, at least 9 square degrees.
+/// Areas of either room that lie more than 50 mm inside what the other room sees as free space; at
+/// least 9 square degrees, the largest first.
 std::vector<MovedArea> moved_areas(const Sides& sides, const geometry::Pose& a_from_b);
 
 }  // namespace mixrig::model

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places on the surfaces of a room, and what another room's panorama says of them. Private to this
+// Places on a room's surfaces, and how they appear in another room's panorama. Private to this
 // module.
 #pragma once
 
@@ -17,13 +17,13 @@ struct RoomPlace {
   Eigen::Vector3f color;  ///< sRGB, 0..255
 };
 
-/// Places evenly over the directions where views measured, about `step_rad` apart.
+/// Places spread evenly over the directions that views measured, about `step_rad` apart.
 std::vector<RoomPlace> places_of(const Panorama& panorama, double step_rad);
 
 enum class RoomSight : std::uint8_t {
-  kNone,     ///< unknown there, seen from behind or at a grazing angle
+  kNone,     ///< unknown there, seen from behind, or at a grazing angle
   kHidden,   ///< behind a surface of the other room
-  kAgrees,   ///< on the surface that the other room has there
+  kAgrees,   ///< on the other room's surface
   kAgainst,  ///< in what the other room sees as free space
 };
 
@@ -35,8 +35,8 @@ struct Seen {
   Eigen::Vector3f color{0, 0, 0};  ///< of the other room
 };
 
-/// What a panorama says of a place given in its own axes. Further off than `gate_m` and three
-/// sigma is not the same surface.
+/// Compares a place, given in the panorama's axes, with the panorama. Beyond `gate_m` and three
+/// sigma it is not the same surface.
 Seen look(const Panorama& panorama, const Eigen::Vector3d& at_m, const Eigen::Vector3d& normal,
           double sigma_m, double gate_m);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses of one room in another's axes that their planes allow. Private to this module.
+// Poses of one room in another's axes that match their planes. Private to this module.
 #pragma once
 
 #include <vector>
@@ -9,13 +9,13 @@
 
 namespace mixrig::model {
 
-/// a_from_b of each way to put three planes of b that are not parallel onto three of a. Some are
-/// nearly the same. Empty where a room has no three such planes.
+/// Poses a_from_b for each way to match three non-parallel planes of b with three of a. Some are
+/// nearly equal. Empty if a room has no three such planes.
 std::vector<geometry::Pose> poses_from_planes(const std::vector<RoomPlane>& a,
                                               const std::vector<RoomPlane>& b);
 
-/// a_from_b of each way to put the floor and a wall of b onto those of a, at steps of `step_m` up
-/// to 12 m either way along the wall: a hall's end may be seen by one room alone.
+/// Poses a_from_b for each way to match the floor and a wall of b with those of a, at steps of
+/// `step_m` up to 12 m either way along the wall: the end of a hall may be seen by one room only.
 std::vector<geometry::Pose> poses_along_walls(const std::vector<RoomPlane>& a,
                                               const std::vector<RoomPlane>& b, double step_m);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What two rooms say of each other under a pose. Private to this module.
+// Mutual evidence of two rooms under a pose. Private to this module.
 #pragma once
 
 #include <array>
@@ -11,26 +11,26 @@
 
 namespace mixrig::model {
 
-/// Furthest from the other room's surface that still is that surface.
+/// Largest distance from the other room's surface at which a place counts as on it.
 inline constexpr double kSurfaceGate_m = 0.02;
 
-/// One direction of looking: places of one room in the other's panorama.
+/// Places of one room, to be looked up in the other room's panorama.
 struct Side {
-  const Panorama* panorama;       ///< that is looked at
+  const Panorama* panorama;       ///< the panorama to look in
   std::vector<RoomPlace> places;  ///< of the other room
-  bool of_b = false;              ///< places
+  bool of_b = false;              ///< whether the places are of b
 };
 using Sides = std::array<Side, 2>;
 
-/// Places of b in a, and of a in b, about `step_rad` apart.
+/// Places of b for a's panorama, and of a for b's, about `step_rad` apart.
 Sides sides_of(const Panorama& a, const Panorama& b, double step_rad);
 
-/// From the axes of the places to those of the panorama.
+/// Pose from the axes of the places to those of the panorama.
 inline geometry::Pose to_other(const Side& side, const geometry::Pose& a_from_b) {
   return side.of_b ? a_from_b : geometry::inverse(a_from_b);
 }
 
-/// Counts of places. Shares are 0 where there is nothing to count.
+/// Counts of places. Shares are 0 if there is nothing to count.
 struct Evidence {
   int places = 0, agree = 0, against = 0, hidden = 0;
   double of_all() const { return share(agree - against, places); }
@@ -44,12 +44,12 @@ struct Evidence {
 
 Evidence evidence_of(const Sides& sides, const geometry::Pose& a_from_b, double gate_m);
 
-/// Correlation of the colours of places with what the other room shows there, each channel around
-/// its mean. 0 where either has one colour.
+/// Correlation of the colours of places with the other room's colours there, each channel around
+/// its mean. 0 if either has a single colour.
 double color_agreement(const Sides& sides, const geometry::Pose& a_from_b);
 
-/// Calls with side, number of the place, its position and normal in the other room, and what is
-/// seen there, every place of both sides.
+/// Calls body(side, index of the place, position and normal in the other room, Seen) for every
+/// place of both sides.
 template <typename Body>
 void look_all(const Sides& sides, const geometry::Pose& a_from_b, double gate_m, const Body& body) {
   for (const Side& side : sides) {

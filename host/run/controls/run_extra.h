@@ -21,7 +21,7 @@
 
 namespace mixrig::session {
 
-/// A line of `mixrig explain`.
+/// One line of `mixrig explain`.
 struct PassLine {
   std::string name, size, why;
   double p50_ms = 0;  ///< 0 for a pass that does not run
@@ -31,31 +31,31 @@ struct PassLine {
 class ObjectMover {
  public:
   virtual ~ObjectMover() = default;
-  /// world_from_object of each object of the scene at a time, seen from `world_from_camera`; valid
-  /// until the next call. Never waits for more than a copy.
+  /// world_from_object of each object of the scene at a time, for a camera at `world_from_camera`;
+  /// valid until the next call. Never waits longer than a copy takes.
   virtual std::span<const geometry::Pose> advance(double time_s,
                                                   const geometry::Pose& world_from_camera) = 0;
-  /// Before advance(): puts an object elsewhere; one that moves goes on from there, at rest.
+  /// Puts an object elsewhere, before advance(); a moving object continues from there, at rest.
   virtual void place(std::size_t object, const geometry::Pose& world_from_object) = 0;
 };
 
-/// What an extra is opened with. All but the folder's name outlive it.
+/// What an extra is opened with. Everything but `folder` and `epoch_ns` outlives the extra.
 struct ExtraSetup {
   const Session& session;
   const Clock& clock;
   const std::optional<std::filesystem::path>& folder;  ///< of the run's files; absent: none
-  std::optional<std::int64_t> epoch_ns;                ///< as RunOptions::epoch_ns
+  std::optional<std::int64_t> epoch_ns;                ///< RunOptions::epoch_ns
 };
 
-/// One object a run. What it tells is complete after its sinks have finished.
+/// What an extra contributes to one run. Its report is complete after its sinks have finished.
 class RunExtra {
  public:
   virtual ~RunExtra() = default;
-  /// Its sinks, before the first frame; none where the scene does not need it.
+  /// Returns its sinks, before the first frame; empty if the scene does not need it.
   virtual Result<std::vector<std::unique_ptr<output::CompositeSink>>> open(
       const ExtraSetup& setup) = 0;
-  /// After open(); null: it moves no object. A run of a recording waits for the sinks of an extra
-  /// that does before each frame, so that the same take gives the same pictures.
+  /// Call it after open(). Null: it moves no object. A run of a recording waits before each frame
+  /// for the sinks of an extra that moves objects, so that the same take gives the same pictures.
   virtual ObjectMover* mover() { return nullptr; }
   /// Adds its keys to report.json (CONVENTIONS.md).
   virtual void add_to(nlohmann::json& report) const = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What whoever starts a run asks for, and what joins it.
+// Options of a run, and the parts that join it.
 #pragma once
 
 #include <atomic>
@@ -21,31 +21,34 @@
 namespace mixrig::session {
 
 struct RunOptions {
-  std::optional<std::filesystem::path> out;  ///< no files where absent
+  std::optional<std::filesystem::path> out;  ///< absent: no files
   output::OutputOptions output;
-  std::optional<FrameRange> frames;  ///< Session::default_frames where absent
+  std::optional<FrameRange> frames;  ///< absent: Session::default_frames()
   int sheet_rows = 6;                ///< frames on the contact sheet
-  bool judge = true;                 ///< against truth, where the source has any
-  bool true_people = false;          ///< sinks get their places, where the source has them
-  /// Of 1970, at host time 0: poses are sent to the programs that the scene names.
+  bool judge = true;                 ///< compare with truth, if the source has any
+  bool true_people = false;          ///< sinks get people's true places, if the source has them
+  /// Unix time of host time 0, nanoseconds; if set, poses are sent to the programs that the scene
+  /// names.
   std::optional<std::int64_t> epoch_ns;
   std::vector<scene::StreamOut> streams;  ///< in addition to those of the scene
-  bool baselines = false;                 ///< judge plain composites beside it
-  /// For changes, where the background can be watched; absent: in live runs.
+  bool baselines = false;                 ///< also judge plain composites
+  /// Whether to watch the room for changes, if the background can be watched; absent: in live runs.
   std::optional<bool> watch_room;
-  ChangeOptions changes;                           ///< which of them become background
-  std::optional<std::filesystem::path> save_room;  ///< where the background with them is written
-  /// Pixel of the view whose depth is sharp from the first frame on; absent: as the scene says.
+  ChangeOptions changes;  ///< which changes become background
+  /// Folder for the background with accepted changes.
+  std::optional<std::filesystem::path> save_room;
+  /// View pixel whose depth is in focus from the first frame on; absent: as in the scene.
   std::optional<glm::ivec2> focus_px;
 };
 
-/// What joins one run, and is used up by it.
+/// Objects that join one run, which takes them over.
 struct RunParts {
-  std::vector<std::unique_ptr<output::CompositeSink>> sinks{};  ///< in addition to those of `out`
-  RunExtras extras{};  ///< that do what the scene asks of them
-  /// Whose changes of the scene are composited; null: a live run makes its own.
+  /// In addition to those for RunOptions::out.
+  std::vector<std::unique_ptr<output::CompositeSink>> sinks{};
+  RunExtras extras{};  ///< extras that the scene needs
+  /// Follows changes of the scene; null: a live run makes its own.
   std::shared_ptr<SceneFollower> scene{};
-  output::RunOrders* orders = nullptr;      ///< of an operator; null: nobody gives any
+  output::RunOrders* orders = nullptr;      ///< of an operator; null: no orders
   const std::atomic<bool>* stop = nullptr;  ///< when set, the run ends with the frames done so far
 };
 

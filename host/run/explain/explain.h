@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The passes, buffers and shadow maps of a scene, each with its reason and measured cost.
+// Explains the passes, buffers and shadow maps of a scene, with reasons and measured cost.
 #pragma once
 
 #include <cstddef>
@@ -29,21 +29,22 @@ struct ShadowMapLine {
 
 struct Explanation {
   std::string scene, source, backend, renderer;
-  std::string calibration;                 ///< which one is used, and why
-  std::string camera;                      ///< origin of its pose
-  std::string rungs;                       ///< in use: "key refined, light people"
-  std::optional<QualityChoice> quality{};  ///< where they follow from a budget
-  int frames = 0;                          ///< composited to measure
+  std::string calibration;  ///< which calibration is used, and why
+  std::string camera;       ///< source of the camera's pose
+  std::string rungs;        ///< quality levels in use, such as "key refined, light people"
+  std::optional<QualityChoice> quality{};  ///< set if they follow from a budget
+  int frames = 0;                          ///< frames composited for the measurement
   double frame_p50_ms = 0, rss_mb = 0;
-  double still_p50_ms = 0;                ///< the first frame again, the camera stands still
-  std::optional<double> moving_p50_ms{};  ///< the same, the pose changes; absent if it cannot
+  double still_p50_ms = 0;  ///< repeating the first frame, the camera at rest
+  /// Repeating it with changing poses; absent if impossible.
+  std::optional<double> moving_p50_ms{};
   std::vector<PassLine> passes;
   std::vector<ShadowMapLine> shadow_maps;
   std::vector<BufferLine> buffers;  ///< kept from frame to frame
 };
 
-/// Composites the first `frames` frames after the learned ones and reports what ran, of the extras
-/// too. Errors: those of run().
+/// Composites the first `frames` frames after the learned ones and reports what ran, including
+/// extras. Errors: those of run().
 Result<Explanation> explain(Session& session, int frames, RunExtras extras, const Clock& clock,
                             const ProgressFn& progress);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The captures of a run, in the order in which they are composited.
+// Delivers the captures of a run in the order of compositing.
 #pragma once
 
 #include <cstdint>
@@ -13,34 +13,34 @@
 
 namespace mixrig::session {
 
-/// Reads ahead in a thread of its own, and holds captures until those have come that their pose
-/// waits for. For the compositing thread.
+/// Reads ahead in its own thread, and holds each capture until the captures that its pose waits for
+/// have come. For the compositing thread.
 class CaptureFeed {
  public:
-  /// `session`, whose poses are prepared, and the gate outlive it.
+  /// `session`, whose poses must be prepared, and `gate` must outlive it.
   CaptureFeed(const Session& session, int first, int last, bool with_truth, WorkGate* gate)
       : session_(session), reader_(*session.source, first, last, with_truth, gate) {}
 
-  /// The next capture, once those within the latency of its pose have come too; empty at the end.
+  /// The next capture, once the captures within its pose's latency have come too; empty at the end.
   /// Errors: those of the source.
   Result<std::optional<capture::CaptureItem>> next();
-  /// Puts back the first one, with which the run was warmed up; of a live run what was exposed
-  /// before `now` was exposed too early.
+  /// Puts back the first capture, with which the run was warmed up. In a live run, captures exposed
+  /// before `now` then count as late.
   void give_back(capture::CaptureItem item, HostTime now);
-  /// As next(), without what is late since the run was not ready, but for the last that there is.
+  /// Like next(), but skips late captures, except the last one that there is.
   Result<std::optional<capture::CaptureItem>> next_fresh();
 
-  /// Captures that next_fresh() left out.
+  /// Number of captures that next_fresh() skipped.
   std::uint64_t late() const { return late_; }
-  /// Captures of a live source that nobody took in time.
+  /// Number of captures of a live source that were not taken in time.
   std::uint64_t dropped() const { return reader_.dropped(); }
 
  private:
   const Session& session_;
   capture::CaptureReader reader_;
-  std::vector<capture::CaptureItem> held_;  ///< that were read ahead, the oldest first
-  bool drained_ = false;                    ///< the reader has no more
-  std::optional<HostTime> ready_;           ///< when the first frame of a live run could be made
+  std::vector<capture::CaptureItem> held_;  ///< captures read ahead, the oldest first
+  bool drained_ = false;                    ///< the reader has no more captures
+  std::optional<HostTime> ready_;           ///< live: time at which the first frame could be made
   std::uint64_t late_ = 0;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where virtual objects touch the ground.
+// Finds where virtual objects touch the ground.
 #pragma once
 
 #include <vector>
@@ -10,9 +10,9 @@
 
 namespace mixrig::session {
 
-/// Points of the footprint of each object, world axes, metres: of its vertices that lie within 1 %
-/// of its height above its lowest one, those with the least and the greatest x and y. At most four
-/// an object, each once; none of an object without vertices.
+/// Points of each object's footprint, world axes, metres: among its vertices within 1 % of its
+/// height above the lowest one, those with the least and the greatest x and y. At most four an
+/// object, each once; none for an object without vertices.
 std::vector<Eigen::Vector3d> contact_points(const std::vector<render::VirtualObject>& objects);
 
 }  // namespace mixrig::session

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the camera moved while each plate was exposed, by the poses of the frames.
+// Estimates the camera's motion during each plate's exposure from the poses of frames.
 #pragma once
 
 #include <optional>
@@ -9,20 +9,21 @@
 
 namespace mixrig::session {
 
-/// One thread; nothing allocates.
+/// For one thread; nothing allocates.
 class PlateMotion {
  public:
-  static constexpr double kMostGap_s = 0.25;  ///< between frames; after more nothing is known
+  /// Largest gap between frames; beyond it motion is unknown.
+  static constexpr double kMostGap_s = 0.25;
 
-  /// `exposure_s` of a plate; 0: not known, and then no motion is.
+  /// `exposure_s`: of a plate; 0: unknown, then motion is unknown too.
   explicit PlateMotion(double exposure_s = 0) : exposure_s_(exposure_s) {}
 
-  /// Of the next frame, in order: by the last two steps between poses, as if acceleration were
-  /// constant, or by the one that there is. None without a pose or a step.
+  /// Motion during the next frame, in order: from the last two steps between poses with constant
+  /// acceleration, or from the only step. Nullopt without a pose or a step.
   std::optional<render::CameraMotion> next(const capture::CameraPose& pose, double time_s);
 
  private:
-  struct Rate {  ///< in the middle of a step, per second
+  struct Rate {  ///< mean rate over a step, per second
     Eigen::Vector3d turn_rad, shift_m;
     double step_s = 0;
   };

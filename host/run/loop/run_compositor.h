@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The compositor of a run, which follows what changes meanwhile: the room, the scene, objects.
+// The compositor of a run; it follows changes of the room, the scene and the objects.
 #pragma once
 
 #include <memory>
@@ -23,30 +23,30 @@ namespace mixrig::session {
 /// For the compositing thread of one run.
 class RunCompositor {
  public:
-  /// `session` and `options` outlive it. `follower`: whose changes are composited; null: a live run
-  /// makes its own. `orders`: null, or it outlives this.
+  /// `session` and `options` must outlive it. `follower`: follows changes of the scene; null: a
+  /// live run makes its own. `orders`: may be null, else must outlive it.
   RunCompositor(const Session& session, const RunOptions& options,
                 std::shared_ptr<SceneFollower> follower, output::RunOrders* orders);
 
-  /// `mover` moves objects; null: none does. Errors: those of the back end, of the watch, of a room
-  /// that cannot be saved.
+  /// Makes the compositor. `mover` moves objects; may be null. Errors: those of the back end and of
+  /// the watch, and those of a room that cannot be saved.
   Result<void> open(ObjectMover* mover, WorkGate* gate);
 
-  /// Before a frame: what was saved, learned and ordered counts from this one on.
+  /// Takes over what was saved, learned and ordered; call it before a frame.
   void follow_changes();
-  /// Poses of the objects of a frame, of which the camera's pose is set.
+  /// Sets the poses of the objects in a frame whose camera pose is set.
   void move_objects(output::Composite& composite);
-  /// Errors: as Compositor::compose().
+  /// Composites a frame. Errors: those of Compositor::compose().
   Result<void> compose(const output::Composite& composite, render::OutputMask wanted,
                        render::FrameOutput& images);
-  /// Of the frame composited last: counts how its plate came in.
+  /// Counts whether the plate of the last frame was imported or copied.
   void count_plate(const capture::Capture& capture);
   const render::StageTimes& stage_times() const { return compositor_->state().stage_times; }
-  /// Frames no longer show the scene that the truth is of.
+  /// Whether frames no longer show the scene that the truth belongs to.
   bool is_edited() const { return exchange_.is_edited(); }
-  /// For the watch of the room. Errors: those of an earlier frame of it.
+  /// Gives a frame to the watch of the room. Errors: those of an earlier frame.
   Result<void> see(const output::CompositePtr& composite);
-  /// Ends the watch, saves the room where that was asked for, frees the compositor. Once.
+  /// Ends the watch, saves the room if requested, and frees the compositor. Call it once.
   Result<CompositorReport> finish();
 
  private:
@@ -65,22 +65,23 @@ class RunCompositor {
   std::shared_ptr<SceneFollower> follower_;
   output::RunOrders* const orders_;
   std::optional<scene::FocusSettings> wanted_focus_;  ///< of the newest scene
-  std::optional<glm::ivec2> focus_px_;                ///< that an operator chose
+  std::optional<glm::ivec2> focus_px_;                ///< chosen by an operator
   ObjectMover* mover_ = nullptr;
   RoomKeeper keeper_;
   LightKeeper light_keeper_;
   LookKeeper look_keeper_;
-  SetupExchange exchange_;  ///< has what compositor_ was made of
+  SetupExchange exchange_;  ///< owns what compositor_ was made of
   FrameScene frame_scene_;
-  bool scene_differs_ = false;                ///< of the frame: frame_scene_ from the setup
-  std::vector<geometry::Pose> wanted_poses_;  ///< of objects with physics, that they were put at
-  std::optional<geometry::Pose> last_pose_;   ///< of the camera
-  FrameTimes times_;                          ///< for the physics
+  bool scene_differs_ = false;  ///< of the frame: frame_scene_ differs from the setup
+  /// Last poses set from outside, of objects with physics.
+  std::vector<geometry::Pose> wanted_poses_;
+  std::optional<geometry::Pose> last_pose_;  ///< of the camera
+  FrameTimes times_;                         ///< for physics
   std::unique_ptr<render::Compositor> compositor_;
   std::string backend_, renderer_;                         ///< of the first compositor
-  std::optional<PlateReport> plates_;                      ///< of live devices
-  render::PlateNeed asked_ = render::PlateNeed::kDecoded;  ///< of the source
-  Image<float> no_depth_m_;  ///< of captures without: unknown everywhere
+  std::optional<PlateReport> plates_;                      ///< for live devices
+  render::PlateNeed asked_ = render::PlateNeed::kDecoded;  ///< last requested of the source
+  Image<float> no_depth_m_;  ///< for captures without depth: unknown everywhere
 };
 
 }  // namespace mixrig::session

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The camera's pose in each frame of a run, and what is reported of it.
+// The camera's pose in each frame of a run, and its report.
 #pragma once
 
 #include <optional>
@@ -17,17 +17,17 @@ namespace mixrig::session {
 /// For the compositing thread of one run.
 class RunPoses {
  public:
-  /// `session` outlives it.
+  /// `session` must outlive it.
   explicit RunPoses(const Session& session) : session_(session) {}
 
-  /// Once the session's poses and background are prepared.
+  /// Call it once the session's poses and background are prepared.
   void open();
-  /// Pose and motion of the camera in a frame, and whether it shows its objects.
+  /// Sets pose and motion of the camera in a frame, and whether the frame shows its objects.
   void set(output::Composite& composite);
-  /// What errors of the pose and of the lens do to the frame. `judges`: the source has true poses
-  /// that count; `truth`: null where there is none.
+  /// Measures how errors of pose and lens affect the frame. `judges`: the source's true poses
+  /// count; `truth`: may be null.
   void watch(output::Composite& composite, bool judges, const capture::Truth* truth);
-  /// After open(): of the frames so far.
+  /// Report of the frames so far. Precondition: open() was called.
   PoseReport report() const;
 
  private:
@@ -41,8 +41,8 @@ class RunPoses {
   std::optional<LensWatch> lens_;
   std::optional<geometry::Pose> first_pose_;
   bool warned_ = false, warned_lost_ = false;
-  std::optional<PoseErrors> error_;  ///< where the true poses are known
-  measure::QuantileSketch age_ms_;   ///< of frames with a pose
+  std::optional<PoseErrors> error_;  ///< if true poses are known
+  measure::QuantileSketch age_ms_;   ///< over frames with a pose
 };
 
 }  // namespace mixrig::session

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exchanges the compositor of a run where the background or the scene has changed.
+// Replaces the compositor of a run when the background or the scene has changed.
 #pragma once
 
 #include <cstdint>
@@ -15,38 +15,38 @@
 
 namespace mixrig::session {
 
-/// For the compositing thread of one run. The new compositor is made in another thread while frames
-/// of a live run go on with the old one; a recording waits, so that the same changes give the same
+/// For the compositing thread of one run. A live run goes on with the old compositor while the new
+/// one is made in another thread; a recording waits, so that the same changes give the same
 /// pictures. Must outlive the compositors that it gives.
 class SetupExchange {
  public:
-  /// `session` outlives it.
+  /// `session` must outlive it.
   SetupExchange(const Session& session, bool live) : session_(session), live_(live) {}
 
-  /// From then on; null: nothing changed.
+  /// Sets what the next compositor is made of; null: no change.
   void use(std::shared_ptr<const KeptBackground> background);
   void use(EditedScenePtr scene);
-  /// Before a frame. `last_pose` is that of the frame before: what a compositor finds out once is
-  /// found while it is made. Where it cannot be made (more lamps than the back end draws, no
-  /// memory) the old one stays, with a warning.
+  /// Replaces `compositor` if a new one is ready; call it before a frame. `last_pose`: pose of the
+  /// frame before, for tables that are built with the compositor. If the new one cannot be made
+  /// (more lamps than the back end draws, no memory) the old one stays, with a warning.
   void exchange(std::unique_ptr<render::Compositor>& compositor,
                 const std::optional<geometry::Pose>& last_pose);
-  /// Waits for a compositor in the making, which is dropped.
+  /// Waits for a compositor in the making and discards it.
   void finish();
 
-  /// That the compositor was made of.
+  /// The scene of the compositor in use.
   const scene::Scene& scene() const;
   bool is_edited() const { return in_use_ && in_use_->scene; }
-  /// Edited scenes that no compositor could be made of.
+  /// Number of edited scenes from which no compositor could be made.
   std::uint64_t refused_scenes() const { return refused_scenes_; }
-  /// Time that a frame lost by an exchange.
+  /// Time that a frame lost by a replacement.
   const measure::QuantileSketch& swap_ms() const { return swap_ms_; }
 
  private:
-  /// What a compositor was made of has to outlive it.
+  /// A compositor with what it was made of, which must outlive it.
   struct Made {
-    std::shared_ptr<const KeptBackground> background;  ///< null: the session's
-    EditedScenePtr scene;                              ///< null: the session's
+    std::shared_ptr<const KeptBackground> background;  ///< null: that of the session
+    EditedScenePtr scene;                              ///< null: that of the session
     render::CompositorSetup setup;
     std::unique_ptr<render::Compositor> compositor;
   };
@@ -60,7 +60,8 @@ class SetupExchange {
   bool is_due_ = false;
   std::shared_ptr<const KeptBackground> background_;
   EditedScenePtr scene_;
-  std::shared_ptr<const KeptBackground> tried_background_;  ///< that making_ is of
+  /// Background of the compositor in the making.
+  std::shared_ptr<const KeptBackground> tried_background_;
   EditedScenePtr tried_scene_;
   std::uint64_t refused_scenes_ = 0;
   MadePtr in_use_;

@@ -30,67 +30,67 @@
 
 namespace mixrig::session {
 
-/// Poses of the frames, and the lens.
+/// Statistics of the frames' poses and lens.
 struct PoseReport {
-  std::string source;  ///< as PoseSourceInfo::name
+  std::string source;  ///< PoseSourceInfo::name
   pose::WhenLost when_lost = pose::WhenLost::kFreeze;
-  double latency_s = 0;  ///< as PoseSourceInfo::latency_s
+  double latency_s = 0;  ///< PoseSourceInfo::latency_s
   pose::FramePoseCounts frames;
-  capture::PoseFaults faults;  ///< of the source's stream
+  capture::PoseFaults faults;  ///< faults of the source's stream
   std::optional<capture::PoseStream> stream;
-  std::optional<PoseErrors> error;  ///< where the true poses are known
-  measure::QuantileSketch age_ms;   ///< frames with a pose
+  std::optional<PoseErrors> error;  ///< if true poses are known
+  measure::QuantileSketch age_ms;   ///< over frames with a pose
   SlipReport slip;
-  std::optional<LensReport> lens;  ///< of a lens that zooms
+  std::optional<LensReport> lens;  ///< of a zooming lens
 };
 
 /// How the camera's pictures came into the compositor.
 struct PlateReport {
-  std::uint64_t imported = 0;       ///< frames; read in the camera's memory
-  std::uint64_t copied = 0;         ///< frames
-  std::optional<RawLayout> layout;  ///< of imported ones
-  std::string why_copied;           ///< as render::CompositorState::why_copied
+  std::uint64_t imported = 0;       ///< frames whose plate was read in the camera's memory
+  std::uint64_t copied = 0;         ///< frames whose plate was copied
+  std::optional<RawLayout> layout;  ///< layout of imported plates
+  std::string why_copied;           ///< render::CompositorState::why_copied
 };
-/// "imported (DMABUF, yuyv)", "copied: the driver offers no ...".
+/// One line, such as "imported (DMABUF, yuyv)" or "copied: the driver offers no ...".
 std::string text(const PlateReport& plates);
 
-/// What the loop measures of each frame.
+/// Measurements of the loop over all frames.
 struct FrameReport {
-  measure::QuantileSketch frame_ms;  ///< decoded frame to finished composite, every frame
+  measure::QuantileSketch frame_ms;  ///< decoded frame to finished composite
   std::array<measure::QuantileSketch, static_cast<std::size_t>(render::Stage::kCount)> stage_ms;
   measure::QuantileSketch latency_ms;      ///< live: mid-exposure to finished composite
-  measure::QuantileSketch foreground_pct;  ///< pixels with matte >= 0.5, a frame
+  measure::QuantileSketch foreground_pct;  ///< share of pixels with a matte of at least 0.5
 };
 
-/// The compositor, and what it followed.
+/// Report of the compositor and of what it followed.
 struct CompositorReport {
   std::string backend;   ///< "cpu" or "gles"
-  std::string renderer;  ///< as Compositor::renderer
+  std::string renderer;  ///< CompositorState::renderer
   Size size;
   std::optional<PlateReport> plates;              ///< of live devices
-  std::optional<LightReport> light;               ///< where the lamps were followed
-  std::optional<LookReport> look;                 ///< where plates were measured again
-  std::optional<RoomChangesReport> room_changes;  ///< where the background was watched
-  std::optional<SceneEdits> scene_edits;          ///< where the scene was followed
-  measure::QuantileSketch swap_ms;                ///< of a frame that exchanged the compositor
+  std::optional<LightReport> light;               ///< if lamps were followed
+  std::optional<LookReport> look;                 ///< if the look was measured again
+  std::optional<RoomChangesReport> room_changes;  ///< if the background was watched
+  std::optional<SceneEdits> scene_edits;          ///< if the scene file was followed
+  measure::QuantileSketch swap_ms;                ///< of frames that replaced the compositor
 };
 
-/// What each part of a run told, put together when it has ended.
+/// Reports of all parts of a run, complete when it has ended.
 struct RunReport {
-  std::string ended = "frames";  ///< why it ended: "frames", "stopped", "end of the source"
+  std::string ended = "frames";  ///< "frames", "stopped" or "end of the source"
   FrameReport frames;
   CompositorReport compositor;
   PoseReport pose;
-  std::optional<QualityChoice> quality;       ///< where the scene has a budget
+  std::optional<QualityChoice> quality;       ///< if the scene has a budget
   std::optional<capture::SourceReport> live;  ///< of live devices
-  std::uint64_t before_ready = 0;             ///< live: captures not composited, since they were
-                                              ///< late when the first frame could be made
+  /// Live: captures skipped because they were late when the first frame could be made.
+  std::uint64_t before_ready = 0;
   std::vector<output::SinkReport> sinks;
   std::vector<output::StreamOutReport> stream_outs;
-  RunExtras extras;   ///< tell their own parts
+  RunExtras extras;   ///< report their own parts
   double rss_mb = 0;  ///< peak
   std::optional<measure::Errors> error;
-  std::vector<BaselineErrors> baselines;  ///< none where they were not wanted
+  std::vector<BaselineErrors> baselines;  ///< empty if not requested
 };
 
 /// One over the mean frame time; 0 without frames.
@@ -99,9 +99,9 @@ nlohmann::json to_json(const RunReport& report);
 /// The same as a text table: stages with median and 95th percentile, then the errors.
 std::string to_table(const RunReport& report);
 
-/// Peak resident set of this process, from /proc/self/status; 0 where it is not available.
+/// Peak resident set of this process, from /proc/self/status; 0 if not available.
 double peak_rss_mb();
-/// "1280x1024".
+/// The size as text, such as "1280x1024".
 std::string text(Size size);
 
 }  // namespace mixrig::session

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pose source that a scene asks for.
+// Makes the pose source that a scene asks for.
 #pragma once
 
 #include <optional>
@@ -12,24 +12,25 @@
 
 namespace mixrig::session {
 
-/// What can be known before the first frame is composited: that the chain is calibrated, the
-/// trajectory is readable and overlaps the take in time, the source has angles or poses. Makes
-/// session.poses except for pose = "floor" and those of a network, which prepare_poses() makes.
-/// Errors: kFormat, kData, kUsage, with the scene's file and key; those of the files.
+/// Checks what can be known before the first frame: the chain is calibrated, the trajectory is
+/// readable and overlaps the take in time, the source has angles or poses. Makes session.poses,
+/// except for pose = "floor" and network poses, which prepare_poses() makes. Errors: kFormat,
+/// kData, kUsage, with the scene's file and key; those of the files.
 Result<void> check_poses(Session& session);
 
-/// Makes session.poses where it is not made yet. For pose = "floor" after prepare_background(),
-/// which finds the floor; for all others before it, since it learns by the poses of a camera that
-/// moves. `clock` must outlive the session. Errors: as check_poses(); those of the network.
+/// Makes session.poses if missing. Call it after prepare_background() for pose = "floor", which
+/// needs the floor, and before it otherwise, since a moving camera's background is learned by its
+/// poses. `clock` must outlive the session. Errors: those of check_poses() and of the network.
 Result<void> prepare_poses(Session& session, const Clock& clock);
 
-/// Ages and lost poses as the scene wants them.
+/// Options for old and lost poses by the scene.
 pose::FramePoseOptions frame_pose_options(const scene::Scene& scene);
 
-/// Watches a head that turns while the scene's pose stays: the picture would be wrong.
+/// Checks that the pan-tilt unit stays still while the scene's pose is constant: else the picture
+/// would be wrong.
 class HeadWatch {
  public:
-  /// The line to refuse or stop the run with, once the head of a camera with a constant pose has
+  /// Error line that refuses or stops the run, once the head of a camera with a constant pose has
   /// turned by more than kStill_rad since the first capture. Allocates only then.
   std::optional<std::string> fault(const Session& session, const capture::Capture& capture);
   static constexpr double kStill_rad = 0.002;

@@ -16,12 +16,13 @@ struct Session;
 
 struct ExtraPoses {
   scene::PoseSource source = scene::PoseSource::kFreeD;
-  /// Null `clock`: what can be known before the run is checked, and null is given.
+  /// Opens the source. With a null `clock` it only checks what can be known before the run, and
+  /// returns null.
   Result<std::unique_ptr<capture::PoseSource>> (*open)(const Session& session,
                                                        const Clock* clock) = nullptr;
 };
 
-/// "SCENE.toml: camera.KEY: WHAT".
+/// Error with the text "SCENE.toml: camera.KEY: WHAT".
 Error at_camera(const Session& session, const char* key, ErrorCode code, const std::string& what);
 
 }  // namespace mixrig::session

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene in the types of the compositor.
+// Converts a scene to the types of the compositor.
 #pragma once
 
 #include <vector>
@@ -18,12 +18,12 @@ struct MeshArrays {
   std::vector<glm::vec2> uv;
 };
 
-/// Of the scene's objects, then of the set's model; of hidden objects too.
+/// Meshes of the scene's objects, then of the set's model; hidden objects are included.
 std::vector<MeshArrays> mesh_arrays(const scene::Scene& scene);
 
-/// Sets objects, light, key and focus of `setup`, whose view is known; it borrows scene and meshes.
-/// Hidden objects have no mesh
-/// there, so that the others keep their numbers. Precondition: mesh_arrays(scene) made `meshes`.
+/// Sets objects, light, key and focus of `setup`, whose view must be set; it borrows `scene` and
+/// `meshes`. Hidden objects get no mesh, so that the others keep their indices. Precondition:
+/// mesh_arrays(scene) made `meshes`.
 void set_scene(const scene::Scene& scene, const std::vector<MeshArrays>& meshes,
                render::CompositorSetup& setup);
 

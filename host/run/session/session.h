@@ -28,14 +28,15 @@ namespace mixrig::session {
 
 struct SessionOptions {
   std::filesystem::path scene;
-  std::string source;             ///< as open_source, or "rig[:RIG.TOML]": live devices
-  std::optional<Size> view_size;  ///< size to composite at; the take's view where absent
+  std::string source;             ///< as for open_source(), or "rig[:RIG.TOML]": live devices
+  std::optional<Size> view_size;  ///< size to composite at; absent: that of the take's view
   BackendChoice backend;
-  std::filesystem::path calibration{};      ///< calibration.toml; empty: that of scene or source
-  Clock* clock = nullptr;                   ///< of a rig's devices
+  /// calibration.toml; empty: that of the scene or the source.
+  std::filesystem::path calibration{};
+  Clock* clock = nullptr;                   ///< for a rig's devices
   const std::atomic<bool>* stop = nullptr;  ///< ends a rig's frames
-  PlayOptions play{};                       ///< of the recordings that a rig plays
-  std::vector<ExtraPoses> extra_poses{};    ///< that this build has
+  PlayOptions play{};                       ///< for recordings that a rig plays
+  std::vector<ExtraPoses> extra_poses{};    ///< pose sources of extras in this build
   SourceKinds kinds{};                      ///< sources and devices of extras
 };
 
@@ -50,39 +51,39 @@ struct Session {
   std::unique_ptr<capture::CaptureSource> source;
   std::shared_ptr<live::CameraSettings> cameras;      ///< of `source`; null: no live devices
   std::shared_ptr<live::RunningRig> rig;              ///< of `source`; null: no live devices
-  calibration_file::CalibrationChoice calibration;    ///< which one is used, and why
-  std::optional<model::StaticBackground> background;  ///< one view of the room
-  std::vector<model::RoomFaces> rooms;                ///< or all of it, of each scan
-  Image<Rgbx8> wide_color;                     ///< of `background`, where it is drawn for each pose
+  calibration_file::CalibrationChoice calibration;    ///< which calibration is used, and why
+  std::optional<model::StaticBackground> background;  ///< a single view of the room
+  std::vector<model::RoomFaces> rooms;                ///< or the whole room, one entry a scan
+  Image<Rgbx8> wide_color;  ///< colours of `background`, if it is drawn for each pose
   std::unique_ptr<capture::PoseSource> poses;  ///< of the scene; null before prepare_poses()
   std::vector<MeshArrays> meshes;
-  Image<Rgb8> backdrop;  ///< the set's picture in the view's size; empty without
+  Image<Rgb8> backdrop;  ///< the set's picture in the view's size; may be empty
   render::CompositorSetup setup;
   BackendChoice backend;
-  std::vector<ExtraPoses> extra_poses;  ///< that this build has
+  std::vector<ExtraPoses> extra_poses;  ///< pose sources of extras in this build
 
   bool is_live() const { return source->info().is_live(); }
-  /// Pose of the target camera at a frame, by `poses`; the identity where it is lost, and before
-  /// prepare_poses() that of the capture.
+  /// Pose of the target camera at a frame, by `poses`; the identity if it is lost. Before
+  /// prepare_poses(), that of the capture.
   geometry::Pose world_from_target(const capture::Capture& capture) const;
-  /// Frames to composite if the user gives none: those after the learned ones, or those before
-  /// where the take ends with the learned ones.
+  /// Frames to composite by default: those after the learned ones, or those before them if the take
+  /// ends with the learned ones.
   FrameRange default_frames() const;
 };
 
-/// Opens scene and source and prepares the setup except the background.
-/// Errors: those of scene and take; kFormat where the scene learns from frames that the take lacks.
+/// Opens scene and source and prepares the setup except the background. Errors: those of scene and
+/// take; kFormat if the scene learns from frames that the take lacks.
 Result<std::unique_ptr<Session>> open_session(const SessionOptions& options);
 
-/// Learns or loads the background that the scene requires; then the session is ready to composite.
-/// By session.poses where the camera moves: after prepare_poses(), except for pose = "floor".
-/// Errors: kFormat where the scene requires a floor that is not known; kData where the background
-/// is of another view, or the camera moves and no learned frame has a pose; those of reading and
+/// Learns or loads the scene's background; the session is then ready to composite. Learns by
+/// session.poses if the camera moves, so call it after prepare_poses(), except for pose = "floor".
+/// Errors: kFormat if the scene requires a floor that is not known; kData if the background is of
+/// another view, or the camera moves and no learned frame has a pose; those of reading and
 /// composing.
 Result<void> prepare_background(Session& session, const ProgressFn& progress);
 
-/// The setup from a take alone: cameras, noise; no objects, lamps or background.
-/// Errors: kUsage for a view size that is not 1..16384.
+/// Setup from a take alone: cameras and noise, without objects, lamps or background. Errors: kUsage
+/// for a view size outside 1..16384.
 Result<render::CompositorSetup> setup_of(const capture::SourceInfo& info,
                                          std::optional<Size> view_size);
 

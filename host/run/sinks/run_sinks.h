@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the composites of a run go: files, contact sheet, streams, sinks of callers and extras.
+// Opens and feeds the sinks of a run: files, contact sheet, streams, sinks of callers and extras.
 #pragma once
 
 #include <filesystem>
@@ -16,42 +16,43 @@
 
 namespace mixrig::session {
 
-/// Sinks of one run, each in a thread of its own. For the compositing thread.
+/// Runs each sink in its own thread. For the compositing thread.
 class RunSinks {
  public:
-  /// All of them outlive it.
+  /// All arguments must outlive it.
   RunSinks(const Session& session, const RunOptions& options, const Clock& clock, WorkGate* gate)
       : session_(session), options_(options), clock_(clock), gate_(gate) {}
 
-  /// All but the streams; `folder` of the run's files, none where it is absent. `sinks` are added,
-  /// and those of the extras, which outlive this. Errors: those of the sinks, each before the first
-  /// frame.
+  /// Opens all sinks but the streams. `folder`: of the run's files; absent: none. Adds `sinks` and
+  /// those of `extras`, which must outlive this object. Errors: those of the sinks, before the
+  /// first frame.
   Result<void> open(FrameRange range, const std::optional<std::filesystem::path>& folder,
                     std::vector<std::unique_ptr<output::CompositeSink>> sinks,
                     const RunExtras& extras);
-  /// After the background: what a stereo pair shows behind people is of it.
+  /// Opens the streams; call it after the background is prepared, which a stereo pair shows behind
+  /// people.
   Result<void> open_streams();
   bool has_files() const { return files_ != nullptr; }
-  /// Null: no extra moves objects.
+  /// The mover of objects; null if no extra moves objects.
   ObjectMover* mover() { return mover_; }
-  /// Waits until the sinks of the extra that moves objects have seen what was delivered.
+  /// Waits until the sinks of the extra that moves objects have handled everything delivered.
   void wait_for_mover();
 
-  /// From this frame on: false, files are not written.
+  /// Sets whether files are written from this frame on.
   void set_recording(bool on) { recording_ = on; }
-  /// Images that the sinks require of a frame.
+  /// Images that the sinks need of a frame.
   struct Wanted {
     render::OutputMask all = 0;
-    render::OutputMask kept = 0;  ///< of these what they use after deliver() has returned
+    render::OutputMask kept = 0;  ///< those of `all` that sinks use after deliver() has returned
   };
   Wanted wanted(int number) const;
   bool on_sheet(int number) const;
   Result<void> deliver(const output::CompositePtr& composite);
-  /// A sheet to which no frame was delivered; null: there is none.
+  /// The sheet if no frame was delivered to it; null otherwise.
   output::SinkThread* empty_sheet() { return sheet_has_rows_ ? nullptr : sheet_; }
-  /// Completes all of them. Errors: those of the sinks.
+  /// Finishes all sinks. Errors: those of the sinks.
   Result<void> finish();
-  /// After finish(): of each sink, and of each stream.
+  /// Reports of all sinks and streams. Precondition: finish() was called.
   std::vector<output::SinkReport> reports() const;
   std::vector<output::StreamOutReport> stream_reports() const;
 
@@ -73,10 +74,11 @@ class RunSinks {
   ObjectMover* mover_ = nullptr;           ///< of one of the extras
   std::vector<scene::StreamOut> streams_;  ///< of the scene and of the options
   std::vector<std::unique_ptr<output::SinkThread>> sinks_;
-  std::vector<const output::StreamSink*> stream_sinks_;  ///< of sinks_
-  output::SinkThread* files_ = nullptr;            ///< one of sinks_; none without an output folder
-  output::SinkThread* sheet_ = nullptr;            ///< one of sinks_; none without an output folder
-  std::vector<output::SinkThread*> before_moves_;  ///< of sinks_, those of the mover's extra
+  std::vector<const output::StreamSink*> stream_sinks_;  ///< those in sinks_
+  output::SinkThread* files_ = nullptr;  ///< one of sinks_; null without an output folder
+  output::SinkThread* sheet_ = nullptr;  ///< one of sinks_; null without an output folder
+  /// Those of sinks_ that belong to the mover's extra.
+  std::vector<output::SinkThread*> before_moves_;
   bool sheet_has_rows_ = false;
   bool recording_ = true;
 };

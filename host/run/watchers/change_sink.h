@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Watches the composited frames for what changed in the room, and learns what is accepted.
+// Sink that watches frames for changes of the room, and learns those that are accepted.
 #pragma once
 
 #include <memory>
@@ -18,22 +18,23 @@
 
 namespace mixrig::session {
 
-/// Looks at each frame that it is given, of five about one, in a picture of 160 pixels across.
-/// write() and finish() on the thread of the sink; the rest as said. Memory is constant but for the
-/// frames that a change is learned from.
+/// Looks at about one of five frames that it is given, in a picture 160 pixels wide. write() and
+/// finish() run in the sink's thread; other threads as stated. Memory is constant, except for the
+/// frames from which a change is learned.
 class ChangeSink final : public output::CompositeSink {
  public:
   static constexpr int kFrameStep = 5;
   static constexpr int kWidth_px = 160;
-  static constexpr int kLearnFrames = 9;  ///< of those looked at, which see half of the change
+  /// Number of frames that must each see half of the change.
+  static constexpr int kLearnFrames = 9;
 
-  /// Whether the session has a background that can be watched: drawn from its place at each pose,
-  /// or of a camera that stands still, and a lens that stands still.
+  /// Whether the session's background can be watched: it is drawn from its place at each pose, or
+  /// belongs to a still camera, and the lens does not move.
   static bool can_watch(const Session& session);
-  /// Whether all of it can be learned anew: one view, of a camera that stands still.
+  /// Whether the whole background can be learned again: a single view of a still camera.
   static bool can_scan(const Session& session);
-  /// `session` is ready to composite. It obeys output::LearnChanges and output::LearnRoom of
-  /// `orders`; null: nobody gives any. Both outlive it. Precondition: can_watch().
+  /// `session` must be ready to composite. Handles output::LearnChanges and output::LearnRoom of
+  /// `orders`, which may be null. Both must outlive the sink. Precondition: can_watch().
   static Result<std::unique_ptr<ChangeSink>> create(const Session& session,
                                                     const ChangeOptions& options,
                                                     output::RunOrders* orders);
@@ -43,11 +44,11 @@ class ChangeSink final : public output::CompositeSink {
   Result<void> write(const output::CompositePtr& composite) override;
   Result<void> finish() override { return {}; }
 
-  /// The background with changes that were learned since the last call; null: none. Any thread.
+  /// The background with changes learned since the last call; null: none. Any thread.
   std::shared_ptr<KeptBackground> take_learned();
-  /// After finish().
+  /// Precondition: finish() was called.
   RoomChangesReport report() const;
-  /// The last background that changes were accepted into; null: none. After finish().
+  /// The last background with accepted changes; null: none. Precondition: finish() was called.
   const KeptBackground* kept() const { return kept_.get(); }
 
  private:
@@ -71,16 +72,16 @@ class ChangeSink final : public output::CompositeSink {
   render::CompositorSetup small_;  ///< in the size of the watch
   std::optional<FrameViews> views_;
   std::unique_ptr<render::cpu::MovingBackground> drawn_;
-  Image<Rgbf> drawn_color_;  ///< its colours; empty without
+  Image<Rgbf> drawn_color_;  ///< colours of drawn_; may be empty
   std::optional<geometry::Pose> drawn_at_;
   std::optional<geometry::Pose> first_pose_;
   std::optional<model::RoomWatch> watch_;
   std::vector<SeenFrame> kept_frames_;
   bool collecting_ = false;
-  /// Of a scan: frames in the whole view.
+  /// Draws frames in the full view, for a new scan of the room.
   std::optional<FrameViews> scan_views_;
   std::optional<model::StaticBackgroundBuilder> scan_;
-  int scan_left_ = 0;  ///< looks until it is complete
+  int scan_left_ = 0;  ///< captures until the scan is complete
   std::shared_ptr<KeptBackground> kept_;
   RoomChangesReport report_;
   std::mutex mutex_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Something that watches the composited frames of a run on a thread of its own.
+// Runs a sink that watches the frames of a run in its own thread.
 #pragma once
 
 #include <memory>
@@ -9,9 +9,9 @@
 
 namespace mixrig::session {
 
-/// For the compositing thread of one run. A live run never waits for the watch; that of a recording
-/// does after each frame that is looked at, so that the same take gives the same pictures.
-/// `Sink`: an output::CompositeSink.
+/// For the compositing thread of one run. A live run never waits for the watch; a recording waits
+/// after each frame given to it, so that the same take gives the same pictures. `Sink`: an
+/// output::CompositeSink.
 template <typename Sink>
 class FrameWatch {
  public:
@@ -20,9 +20,10 @@ class FrameWatch {
     thread_ = std::make_unique<output::SinkThread>(
         std::move(sink), live ? output::WhenFull::kDropOldest : output::WhenFull::kWait, gate);
   }
-  /// Null while it is closed.
+  /// Null before open().
   Sink* sink() const { return sink_; }
-  /// Precondition: open. Errors: those of an earlier frame.
+  /// Gives a frame to the watch. Precondition: open() was called. Errors: those of an earlier
+  /// frame.
   Result<void> push(const output::CompositePtr& composite) {
     MIXRIG_TRY(thread_->push(composite));
     if (!live_) thread_->wait_until_idle();
@@ -32,7 +33,7 @@ class FrameWatch {
   Result<void> finish() { return thread_ ? thread_->finish() : Result<void>(); }
 
  private:
-  Sink* sink_ = nullptr;  ///< that of thread_
+  Sink* sink_ = nullptr;  ///< owned by thread_
   bool live_ = false;
   std::unique_ptr<output::SinkThread> thread_;
 };

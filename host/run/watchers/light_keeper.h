@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Follows lamps that are switched or dimmed while a run goes on ([light] follow of the scene).
+// Follows lamps that are switched or dimmed during a run ([light] follow of the scene).
 #pragma once
 
 #include <memory>
@@ -15,17 +15,17 @@
 
 namespace mixrig::session {
 
-/// A lamp that gave other light from a frame on.
+/// A change of a lamp's light from a frame on.
 struct LampEvent {
   int frame = 0;
-  std::string lamp;   ///< its name, or "ambient"
-  double factor = 1;  ///< of the light that the scene tells
+  std::string lamp;   ///< the lamp's name, or "ambient"
+  double factor = 1;  ///< relative to the scene's light
 };
 
 struct LightReport {
   std::vector<LampEvent> changed;    ///< the first kMostEvents
-  int looks = 0, unexplained = 0;    ///< frames that were looked at; that the lamps do not explain
-  measure::QuantileSketch watch_ms;  ///< of a look, on a thread of its own
+  int looks = 0, unexplained = 0;    ///< frames examined; those that the lamps do not explain
+  measure::QuantileSketch watch_ms;  ///< of one frame, in the watching thread
 };
 /// docs/reference/report.md has the keys.
 nlohmann::json to_json(const LightReport& report);
@@ -37,27 +37,27 @@ class LightKeeper {
  public:
   LightKeeper(const Session& session, bool live) : session_(session), live_(live) {}
 
-  /// Errors: kFormat without a lamp, or where the background is not one view of a camera that
-  /// stands still: only there is told what each lamp gives to a pixel.
+  /// Opens the watch. Errors: kFormat without a lamp, or if the background is not a single view of
+  /// a still camera, for which alone each lamp's part in a pixel is known.
   Result<void> open(WorkGate* gate);
   bool is_open() const { return watch_.sink() != nullptr; }
-  /// Gives one of five finished frames to the watch, and that two after one in which it found a
-  /// change. Errors: those of an earlier one.
+  /// Gives about one of five finished frames to the watch, and the second frame after one in which
+  /// it found a change. Errors: those of an earlier frame.
   Result<void> push(const output::CompositePtr& composite);
-  /// What was found counts from now on.
+  /// Applies the changes found so far from now on.
   void take_factors();
-  /// Light of a frame: that of the scene, or `live` in its place, with the factors. Valid until the
-  /// next call. Allocates on the first call only.
+  /// Light of a frame: the scene's, or `live` instead, times the factors. Valid until the next
+  /// call. Allocates on the first call only.
   render::FrameLight changed(const scene::Light& light,
                              const std::optional<render::FrameLight>& live);
   Result<void> finish();
-  LightReport report() const;  ///< after finish()
+  LightReport report() const;  ///< precondition: finish() was called
 
  private:
   const Session& session_;
   const bool live_;
-  int next_look_ = 0, last_look_ = 0;  ///< numbers of frames
-  std::vector<float> factors_;         ///< ambient, then lamps; empty: nothing was found yet
+  int next_look_ = 0, last_look_ = 0;  ///< frame numbers
+  std::vector<float> factors_;         ///< ambient light, then lamps; empty: nothing found yet
   std::vector<glm::vec3> intensity_;
   FrameWatch<LightSink> watch_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures again, while a run goes on, what the camera does to real things ([look] of the scene).
+// Measures the camera's look again during a run ([look] of the scene).
 #pragma once
 
 #include <memory>
@@ -15,16 +15,16 @@
 namespace mixrig::session {
 
 struct LookReport {
-  int looks = 0;                     ///< plates that were measured, after the first
-  int moved = 0;                     ///< plates that were not, since the camera moved
-  render::PictureLook first, last;   ///< all of it, wanted or not
-  measure::QuantileSketch watch_ms;  ///< of a plate, on a thread of its own
+  int looks = 0;                     ///< plates measured after the first
+  int moved = 0;                     ///< plates skipped because the camera moved
+  render::PictureLook first, last;   ///< complete looks, wanted or not
+  measure::QuantileSketch watch_ms;  ///< of one plate, in the watching thread
 };
 /// docs/reference/report.md has the keys.
 nlohmann::json to_json(const LookReport& report);
 
-/// Way over the exposure, in pixels of the view, of what lies between two metres and far away: the
-/// longest of its corners and middle. Pure.
+/// Longest image motion over the exposure, in view pixels, of points at the view's corners and
+/// centre, between two metres and infinity. Pure.
 glm::vec2 way_of_view_px(const render::CameraMotion& motion, const geometry::Pinhole& view);
 
 class LookSink;
@@ -32,20 +32,22 @@ class LookSink;
 /// For the compositing thread of one run.
 class LookKeeper {
  public:
-  static constexpr int kLookStep = 6;         ///< frames from one measured plate to the next
-  static constexpr float kMostWay_px = 0.3F;  ///< less is not blurred by pass motion either
+  static constexpr int kLookStep = 6;         ///< frames between measured plates
+  static constexpr float kMostWay_px = 0.3F;  ///< less motion is not blurred by pass motion either
 
   LookKeeper(const Session& session, bool live) : session_(session), live_(live) {}
 
-  /// Where the scene wants nothing that is measured, or not again, it stays closed.
+  /// Opens the watch; it stays closed if the scene wants nothing that is measured, or measures once
+  /// only.
   void open(WorkGate* gate);
-  /// Gives one of kLookStep frames to the thread: one during whose exposure the camera moved by
-  /// less than kMostWay_px. Errors: those of an earlier one.
+  /// Gives one of kLookStep frames to the watch: one during whose exposure the camera moved by less
+  /// than kMostWay_px. Errors: those of an earlier frame.
   Result<void> push(const output::CompositePtr& composite);
-  /// For the frame of this plate; the first one is measured here. Null while it is closed.
+  /// Look for the frame of this plate; measures the first plate itself. Null if the watch is
+  /// closed.
   const render::PictureLook* look_of(const output::Composite& composite);
   Result<void> finish();
-  /// After finish(); nullopt where it was closed.
+  /// Precondition: finish() was called. Nullopt if the watch was closed.
   std::optional<LookReport> report() const;
 
  private:
@@ -56,7 +58,7 @@ class LookKeeper {
   LookFollower follower_;
   render::PictureLook first_;
   int next_look_ = 0, moved_ = 0;
-  bool first_is_judged_ = false;  ///< how the camera moved in the first plate
+  bool first_is_judged_ = false;  ///< the first plate's motion has been taken into account
   FrameWatch<LookSink> watch_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a run looks for in the room, and what it found, as JSON and as lines of text.
+// Options and report of the watch for changes of the room, as JSON and text.
 #pragma once
 
 #include <string>
@@ -12,23 +12,23 @@
 
 namespace mixrig::session {
 
-/// What a run found of the room.
+/// Changes that a run found in the room.
 struct RoomChangesReport {
   std::vector<model::RoomChange> changes;
-  measure::QuantileSketch watch_ms;  ///< of a frame that was looked at
-  int accepted = 0;                  ///< times that changes were taken into the background
-  measure::QuantileSketch learn_ms;  ///< of each of them, on the watching thread
+  measure::QuantileSketch watch_ms;  ///< of one examined frame
+  int accepted = 0;  ///< number of times that changes were accepted into the background
+  measure::QuantileSketch learn_ms;  ///< of each acceptance, in the watching thread
   measure::QuantileSketch swap_ms;   ///< the compositing thread's part
 };
 
 struct ChangeOptions {
-  bool accept_all = false;  ///< as soon as a change is certain; else by output::LearnChanges
+  bool accept_all = false;  ///< accept each change once it is certain; else by output::LearnChanges
   model::WatchOptions watch;
 };
 
 /// docs/reference/report.md has the keys.
 nlohmann::json to_json(const RoomChangesReport& report);
-/// Nothing where nothing changed.
+/// One line for each change; empty if nothing changed.
 std::string to_lines(const RoomChangesReport& report);
 
 }  // namespace mixrig::session

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Learns what changed in a room into its background, from frames that see it.
+// Learns changes of a room into its background, from frames that see them.
 #pragma once
 
 #include <span>
@@ -15,12 +15,12 @@ struct SeenFrame {
   geometry::Pose world_from_target;
 };
 
-/// Draws the frames from the place of each picture of the background and takes, pixel by pixel, the
-/// median of what they saw where the watch has an open change: surfaces that appeared, and what is
-/// seen behind those that are gone; what nothing was seen behind is unknown. Colours of surfaces
-/// between them that are where they were are taken too, for shadows. Colours are those of the
-/// model's light. `world_from_view`: as KeptBackground::models. Works on one thread for a second or
-/// so. Errors: kData with fewer than 3 frames; those of composing.
+/// Draws the frames from the place of each picture of the background and takes, for each pixel
+/// where the watch has an open change, the median of what they saw: surfaces that appeared, and
+/// what lies behind those that are gone; without any sight behind, the pixel becomes unknown. For
+/// shadows, colours of unchanged surfaces between them are taken too. Colours are converted to the
+/// model's light. `world_from_view`: as for KeptBackground::models(). Runs in the calling thread
+/// for about a second. Errors: kData with less than 3 frames; those of composing.
 Result<void> learn_changes(const model::RoomWatch& watch, std::span<const SeenFrame> frames,
                            const geometry::Pose& world_from_view, KeptBackground& background);
 

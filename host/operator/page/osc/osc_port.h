@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes OSC from control surfaces and tells them the state. Private to this module.
+// Receives OSC from control surfaces and sends them the state. Private to this module.
 #pragma once
 
 #include <array>

@@ -39,23 +39,23 @@ class Pictures {
   /// While the run's pictures are frozen, they stay as they are. `orders` must outlive it.
   explicit Pictures(const output::RunOrders& orders) : orders_(orders) {}
 
-  /// While somebody looks at a view, pictures of it are made.
+  /// Pictures of a view are made while somebody looks at it.
   void look(View view) { ++lookers_[index(view)]; }
   void look_away(View view) { --lookers_[index(view)]; }
   bool is_looked_at(View view) const { return lookers_[index(view)] > 0; }
-  /// Who takes pictures of a view looks at it too. Returns the number by which it is known.
+  /// Adds a receiver of a view's pictures, which also looks at the view. Returns its number.
   int add_taker(View view, TakePicture take);
   void set_view(int taker, View view);
-  /// After this it is not called any more.
+  /// Removes a receiver; it is not called afterwards.
   void remove_taker(int taker);
   bool is_wanted(View view) const { return is_looked_at(view) || taken_[index(view)] > 0; }
-  /// Images of the compositor that the views need which somebody looks at; none while frozen.
+  /// Images of the compositor that the viewed views need; none while frozen.
   render::OutputMask wanted() const;
 
-  /// Null before the first one.
+  /// Null before the first picture.
   PicturePtr newest(View view) const;
   void put(View view, std::shared_ptr<Picture> picture);
-  /// To those who take pictures of this view.
+  /// Gives a picture to the receivers of its view.
   void give(View view, ImageView<const Rgb8> picture, int frame, HostTime mid_exposure) const;
   /// Called on the thread of put(). Must neither wait nor call this object. After
   /// set_on_new({}) it is not called any more.
@@ -73,10 +73,10 @@ class Pictures {
 
   std::array<std::atomic<int>, kViews> lookers_{}, taken_{};
   const output::RunOrders& orders_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::array<PicturePtr, kViews> newest_;
   std::function<void(View)> on_new_;
-  mutable std::mutex takers_mutex_;  ///< guards what follows
+  mutable std::mutex takers_mutex_;  ///< guards the members below
   std::map<int, Taker> takers_;
   int next_taker_ = 0;
 };

@@ -21,7 +21,7 @@ class WebrtcSocket final : public TextSocket {
  public:
   WebrtcSocket(Hub& hub, boost::beast::tcp_stream stream, View view);
   ~WebrtcSocket() override;
-  /// Ends the peer. Also after the server's thread has ended.
+  /// Ends the peer; may be called after the server's thread has ended.
   void end();
 
  private:
@@ -38,7 +38,7 @@ class WebrtcSocket final : public TextSocket {
 
   View view_;
   std::shared_ptr<WebrtcPeer> peer_;
-  std::optional<Result<std::string>> offer_;  ///< that came before `peer_`
+  std::optional<Result<std::string>> offer_;  ///< an offer that came before `peer_`
   std::optional<int> taker_;
   bool answered_ = false, ended_ = false;
 };

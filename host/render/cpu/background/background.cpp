@@ -13,7 +13,7 @@ namespace mixrig::render::cpu {
 namespace {
 
 constexpr int kBackgroundGrain = 16;
-/// Pixels along an axis that share the spread of the depth: it differs little from one to the next.
+/// Pixels along an axis that share one sigma of the depth, which differs little between neighbours.
 constexpr int kSpreadStep = 2;
 
 Size spread_size(Size view) {
@@ -21,19 +21,19 @@ Size spread_size(Size view) {
           (view.height + kSpreadStep - 1) / kSpreadStep};
 }
 
-/// Each of the first kLanes / 2 numbers twice.
+/// Repeats each of the first kLanes / 2 values twice.
 template <std::size_t... i>
 FloatLanes twice_each(FloatLanes f, std::index_sequence<i...>) {
   return __builtin_shufflevector(f, f, static_cast<int>(i / kSpreadStep)...);
 }
 
-/// Of the plane of each lane; mostly it is one for all.
+/// Term of each lane's plane; mostly one plane serves all lanes.
 FloatLanes plane_term(const std::vector<float>& terms, IntLanes number) {
   if (!any(number != number[0])) return FloatLanes{} + terms[static_cast<std::size_t>(number[0])];
   return gather(terms.data(), number);
 }
 
-/// Largest of each column over the rows [first, last]. Rows are padded to whole registers.
+/// Largest value of each column over the rows [first, last]. Rows are padded to whole registers.
 void most_of_columns(const Image<float>& from, int width, int first, int last, float* to) {
   for (int x = 0; x < width; x += kLanes) {
     FloatLanes most = load<FloatLanes>(from.row(first) + x);
@@ -42,7 +42,7 @@ void most_of_columns(const Image<float>& from, int width, int first, int last, f
   }
 }
 
-/// Largest of `from` within `radius` of the pixels from x on, along the row.
+/// Largest value of `from` within `radius` of each of the kLanes pixels from x on, along the row.
 FloatLanes most_within(const float* from, int x, int width, int radius) {
   if (x >= radius && x + kLanes + radius <= width) {
     FloatLanes most = load<FloatLanes>(from + x - radius);
@@ -54,8 +54,8 @@ FloatLanes most_within(const float* from, int x, int width, int radius) {
   return most;
 }
 
-/// Faces of the model below one another, each with a border of one: its pixel (x, y) lies at
-/// (x + 1, y + 1).
+/// Copies the model's faces, one below the other, and gives each a border of one pixel: its pixel
+/// (x, y) lies at (x + 1, y + 1).
 template <typename T, typename Make>
 Image<T> padded(Size images, int face_rows, T border, Make&& make) {
   const int faces = images.height / face_rows;
@@ -65,7 +65,7 @@ Image<T> padded(Size images, int face_rows, T border, Make&& make) {
   return out;
 }
 
-/// Linear colours and, as x, their spread or kUnknownColor.
+/// Converts to linear colours with, as x, their sigma or kUnknownColor.
 Image<Rgbx16> linear_table(ImageView<const Rgbx8> colors, int face_rows) {
   const auto& linear = srgb_to_linear();
   constexpr float kPerByte = kLinearOne * kMostColorSpread / (kUnknownColorByte - 1);
@@ -76,7 +76,7 @@ Image<Rgbx16> linear_table(ImageView<const Rgbx8> colors, int face_rows) {
             c.x == kUnknownColorByte ? kUnknownColor : spread};
   };
   Image<Rgbx16> out = padded<Rgbx16>(colors.size, face_rows, {0, 0, 0, kUnknownColor}, decoded);
-  // The colours of the borders only serve interpolation.
+  // The borders' colours only serve interpolation.
   const auto repeat = [&](int x, int y, int from_x, int from_y) {
     const Rgbx16 c = out.at(from_x, from_y);
     out.at(x, y) = {c.r, c.g, c.b, c.x};
@@ -92,7 +92,7 @@ Image<Rgbx16> linear_table(ImageView<const Rgbx8> colors, int face_rows) {
 
 }  // namespace
 
-// One index serves the tables of depth, spread and normals.
+// One index serves the tables of depth, sigma and normals.
 static_assert(sizeof(float) == sizeof(PackedNormal));
 
 MovingBackground::Part MovingBackground::make_part(Crew& crew, const CompositorSetup& setup,
@@ -198,7 +198,7 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera,
   });
 }
 
-/// Of a row; rows are padded to whole registers.
+/// Writes the depth of a row; rows are padded to whole registers.
 void MovingBackground::find_depth(int y) {
   const int width = depth_m_.width();
   const float* w = w_.row(y);
@@ -209,7 +209,7 @@ void MovingBackground::find_depth(int y) {
   }
 }
 
-/// Of every kSpreadStep-th column of a row.
+/// Writes the sigma for every kSpreadStep-th column of a row.
 void MovingBackground::find_spread(int y) {
   const int width = depth_m_.width();
   float* sigma_m = depth_sigma_m_.row(y / kSpreadStep);
@@ -250,7 +250,7 @@ void MovingBackground::find_planes(const Run& run, std::int32_t* plane) const {
   }
 }
 
-/// What light falls on, and what has wrapped around, of a row whose depth is drawn.
+/// Writes the light depth and wrapped depth of a row, after its depth is drawn.
 void MovingBackground::light_row(int y) {
   constexpr auto kNearestW = static_cast<float>(1 / kNearestM);
   constexpr float kFarthestW = 1 / kFarthestM;
@@ -278,10 +278,11 @@ void MovingBackground::light_row(int y) {
   }
 }
 
-/// As key_limit(), with the largest w around. `column_most_w`: room for a row.
+/// Writes a row of the key's limit, as key_limit(), from the largest w around. `column_most_w`:
+/// memory for a row.
 void MovingBackground::limit_row(int y, float* column_most_w, float* limit_w) const {
   constexpr float kNever = std::numeric_limits<float>::infinity();
-  // What is stored cannot change these, which g++ does not know of members.
+  // Local copies: g++ cannot know that stores do not change the members.
   const NoiseParams noise = noise_;
   const float least_m = key_.threshold_m, noise_factor = key_.noise_factor;
   const int width = depth_m_.width(), height = depth_m_.height();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass background: the background model as the camera sees it from its pose.
+// Pass background: draws the background models as the camera sees them from its pose.
 #pragma once
 
 #include <array>
@@ -15,52 +15,52 @@
 
 namespace mixrig::render::cpu {
 
-/// What the background is drawn for.
+/// Use of the drawn background.
 enum class DrawnFor {
-  kComposites,  ///< limit of the key, normals for light, images of the colours that are drawn
-  kPictures,    ///< depth, and colours that are given away: half the memory
+  /// For the compositor: also the key's limit, normals for light, and images of the drawn colours.
+  kComposites,
+  kPictures,  ///< for a caller that wants depth and colours only: half the memory
 };
 
-/// The background at the last pose, images of the view's size. What no model ever saw, or saw
-/// hidden behind another surface, is unknown: depth 0, colour negative, no limit. Where several
-/// models hold a surface, spread, normal and colour are those of the one that saw it nearest to the
-/// middle of a face, and from nearest.
+/// The background at the last pose, in images of the view's size. Places that no model saw are
+/// unknown: depth 0, colour negative, no limit. Where several models saw a surface, its sigma,
+/// normal and colour come from the model that saw it most centrally in a face, and from nearest.
 class MovingBackground {
  public:
-  /// Reads the model's images now and borrows nothing.
+  /// Reads the models' images now and borrows nothing.
   MovingBackground(Crew& crew, const CompositorSetup& setup,
                    DrawnFor drawn_for = DrawnFor::kComposites);
-  /// Draws the depth. Colours are those of earlier draws until draw_color().
+  /// Draws the depth. Colours stay those of earlier draws until draw_color().
   void draw(Crew& crew, const geometry::Pose& world_from_camera);
-  /// The same and tables.key_limit_w. Without `with_light` the frame shows no objects: depth that
-  /// has wrapped around stays. Precondition: made for composites.
+  /// Also draws tables.key_limit_w. Without `with_light` the frame shows no objects, and wrapped
+  /// depth is kept. Precondition: made for composites.
   void draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables,
             bool with_light = true);
-  /// Takes the view of `setup`, of the same size, for the next draws. Allocates nothing.
+  /// Takes the view of `setup`, whose size must not change, for later draws. Allocates nothing.
   void see_through(const CompositorSetup& setup);
   bool has_color() const { return has_color_; }
-  /// As of the view, but on planes where light falls on such (light_surface.h).
+  /// Depth of the view, with planes where light is computed on planes (light_surface.h).
   ImageView<const float> light_depth_m() const {
     return light_depth_m_.empty() ? depth_m_.view() : light_depth_m_.view();
   }
-  /// Draws the colour of `count` <= kMostColumns pixels of a row, of every `step`-th from x0 on.
-  /// Few pixels need it: those that depth cannot decide. Any thread, different pixels.
+  /// Draws the colour of `count` <= kMostColumns pixels of a row: every `step`-th from x0 on.
+  /// Called for the few pixels that depth cannot decide. Any thread, for different pixels.
   /// Precondition: has_color(), made for composites.
   void draw_color(int x0, int y, int count, int step = 1);
-  /// Colours of at most kMostColumns pixels of a row from (x0, y) on, linear, negative where they
-  /// are unknown. Any thread. Precondition: has_color().
+  /// Writes the linear colours of out.size() <= kMostColumns pixels of row y from x0 on, negative
+  /// where unknown. Any thread. Precondition: has_color().
   void colors(int x0, int y, std::span<Rgbf> out) const;
   static constexpr int kMostColumns = 128;
-  /// Normals of at most kMostColumns pixels of a row from (x0, y) on, as Tables::background_normal
-  /// has them. Few pixels need them: those that a shadow can reach. Any thread. Precondition: made
-  /// for composites. `step`: of every so many pixels.
+  /// Writes normals, as in Tables::background_normal, of out.size() <= kMostColumns pixels of row
+  /// y: every `step`-th from x0 on. Called for the few pixels that a shadow can reach. Any thread.
+  /// Precondition: made for composites.
   void normals(int x0, int y, std::span<PackedNormal> out, int step = 1) const;
-  /// Valid for the life of this; changed by the draws.
+  /// The images; valid for the life of this object, changed by draws.
   BackgroundView view() const { return {depth_m_, {}, color_, color_sigma_}; }
 
  private:
   struct Run;
-  /// The pixel (x0, y) of the view and every `step`-th after it along the row.
+  /// Pixels of a view row: (x0, y) and every `step`-th after it.
   struct Pixels {
     int x0 = 0, y = 0, count = 0, step = 1;
   };
@@ -69,23 +69,23 @@ class MovingBackground {
     geometry::Pose world_from_face;
     TofGrid grid;
     FacePose pose{};           ///< of the last draw
-    glm::mat3 from_camera{1};  ///< the same
-    glm::vec3 camera_m{0};     ///< in axes of the face
+    glm::mat3 from_camera{1};  ///< rotation of the last draw
+    glm::vec3 camera_m{0};     ///< position of the camera in axes of the face
   };
-  /// One of the models.
+  /// Tables and memory of one background model.
   struct Part {
     ModelTables tables;
     std::vector<Face> faces;
     WarpScratch scratch;
-    /// Lookup tables: the faces below one another, each with a border of one pixel that knows
-    /// nothing.
-    Image<Rgbx16> color;   ///< x: the spread, 65535 where unknown; empty without colour
-    int color_factor = 1;  ///< its pixels a pixel of the other tables, along a side
+    /// Lookup tables: faces one below the other, each with a border of one unknown pixel.
+    /// Linear; x: the colour's sigma, 65535 where unknown; empty without colour.
+    Image<Rgbx16> color;
+    int color_factor = 1;  ///< its resolution relative to the other tables, along each axis
     Image<float> w;        ///< inverse depth, 0 unknown
-    /// Of composites.
-    Image<float> sigma_m;          ///< spread of the depth
-    Image<PackedNormal> normal;    ///< axes of the first face
-    std::int32_t first_plane = 0;  ///< of the planes of all parts, where number 0 of it lies
+    /// The following are empty unless made for composites.
+    Image<float> sigma_m;          ///< sigma of the depth
+    Image<PackedNormal> normal;    ///< in axes of the first face
+    std::int32_t first_plane = 0;  ///< index of its plane number 0 among the planes of all parts
   };
   static Part make_part(Crew& crew, const CompositorSetup& setup, const BackgroundModel& from,
                         DrawnFor drawn_for);
@@ -108,14 +108,17 @@ class MovingBackground {
   std::vector<Part> parts_;
   int limit_radius_px_ = 1;  ///< largest of the models
   bool has_color_ = false;
-  Image<float> w_;  ///< with kViewMargin
+  Image<float> w_;  ///< inverse depth of the view, with kViewMargin
   Image<float> depth_m_;
-  /// Of composites.
-  Image<float> column_most_w_;  ///< of each worker a row: the largest w_ within the radius, down
-  Image<float> depth_sigma_m_;  ///< of squares of pixels
-  /// Where light falls on planes; else empty.
-  Image<std::int32_t> plane_;  ///< of squares of pixels: number in the next one, negative: wrapped
-  std::array<std::vector<float>, 3> plane_w_;  ///< planes_in_camera() of all parts
+  /// The following are empty unless made for composites.
+  /// One row a worker: the largest w_ within the radius, along columns.
+  Image<float> column_most_w_;
+  Image<float> depth_sigma_m_;  ///< one value for 2x2 pixels
+  /// The following are empty unless light is computed on planes.
+  /// One value for 2x2 pixels: index into plane_w_, negative if wrapped.
+  Image<std::int32_t> plane_;
+  /// planes_in_camera() of all parts, one vector a coordinate.
+  std::array<std::vector<float>, 3> plane_w_;
   Image<float> light_depth_m_;
   Image<Rgbf> color_;
   Image<float> color_sigma_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass background: where pixels of the view lie in the models, their normals and colours.
+// Pass background: finds pixels of the view in the models, with their normals and colours.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -12,13 +12,13 @@
 namespace mixrig::render::cpu {
 namespace {
 
-/// Of the values that a face's z times w takes on a run: an interval that holds them.
+/// An interval that holds all values that a face's z times w takes on a run.
 struct Interval {
   float least, most;
 };
 Interval sum_of(float constant, float a, float a_from, float a_to, float b, float b_from,
                 float b_to) {
-  // Of lists: of two temporaries it would be references.
+  // By value: std::minmax of two temporaries would return dangling references.
   const auto [a0, a1] = std::minmax({a * a_from, a * a_to});
   const auto [b0, b1] = std::minmax({b * b_from, b * b_to});
   constexpr float kRounding = 1e-5F;
@@ -27,8 +27,8 @@ Interval sum_of(float constant, float a, float a_from, float a_to, float b, floa
   return {constant + a0 + b0 - slack, constant + a1 + b1 + slack};
 }
 
-/// Every `step`-th of `from`, then the last one again up to a whole register; their least and
-/// largest. `count` is not 0.
+/// Copies every `step`-th value of `from`, then repeats the last one up to a whole register;
+/// returns the range. Precondition: `count` is not 0.
 Interval read_every(const float* from, int step, std::size_t count,
                     std::array<float, kBackgroundRun>& to) {
   if (step == 1)
@@ -45,7 +45,7 @@ Interval read_every(const float* from, int step, std::size_t count,
   return {least_of(least), -least_of(-most)};
 }
 
-/// Of each coordinate the pixel and its 1/256 fraction, as split().
+/// Pixel and 1/256 fraction of each coordinate, as by split().
 struct SplitLanes {
   IntLanes pixel, fraction;
 };
@@ -59,7 +59,7 @@ SplitLanes split(FloatLanes at, int size) {
   return {inside, fixed - 256 * inside};
 }
 
-/// The numbers of a and b in turn, from the first or the second half of them.
+/// Interleaves the values of a and b, from their first or second half.
 template <int kFirst, std::size_t... i>
 IntLanes in_turn(IntLanes a, IntLanes b, std::index_sequence<i...>) {
   return __builtin_shufflevector(a, b,
@@ -89,10 +89,10 @@ void MovingBackground::find(const Pixels& pixels, Run& run) const {
     if (!shows(run, i)) run.at[i] = 0;
 }
 
-/// In the face of a model whose axis is nearest.
+/// Finds pixels in a model, in the face whose axis is nearest.
 void MovingBackground::find_in(std::size_t part, const Pixels& pixels, Find what, Run& run) const {
   const Part& in = parts_[part];
-  // Stores into the run cannot change these, which g++ does not know of members.
+  // Local copies: g++ cannot know that stores into the run do not change these values.
   const std::size_t count = std::min(kBackgroundRun, static_cast<std::size_t>(pixels.count));
   const std::int32_t face_rows = in.tables.face_rows;
   run.count = count;
@@ -102,7 +102,7 @@ void MovingBackground::find_in(std::size_t part, const Pixels& pixels, Find what
   const float first_x = static_cast<float>(pixels.x0) - view.center_px.x;
   alignas(64) std::array<float, kBackgroundRun> w;
   const Interval range = read_every(w_.row(pixels.y) + pixels.x0, pixels.step, count, w);
-  // The face whose axis is nearest: the largest z of the point times its own w.
+  // Chooses the face with the nearest axis: the one with the largest z of the point (times its w).
   alignas(64) std::array<float, kBackgroundRun> qx, qy, qz;
   std::fill_n(run.face.begin(), count, 0);
   std::fill_n(qz.begin(), count, -std::numeric_limits<float>::infinity());
@@ -115,7 +115,7 @@ void MovingBackground::find_in(std::size_t part, const Pixels& pixels, Find what
   float surely_z = -std::numeric_limits<float>::infinity();
   for (const Face& face : in.faces) surely_z = std::max(surely_z, z_on_run(face).least);
   for (std::size_t f = 0; f < in.faces.size(); ++f) {
-    if (z_on_run(in.faces[f]).most < surely_z) continue;  // it is the nearest of no pixel
+    if (z_on_run(in.faces[f]).most < surely_z) continue;  // no pixel has this face as its nearest
     const glm::mat3 r = in.faces[f].from_camera;
     const glm::vec3 t = in.faces[f].camera_m, row = r[1] * ray_y + r[2];
     const auto face = static_cast<std::int32_t>(f);
@@ -142,7 +142,7 @@ void MovingBackground::find_in(std::size_t part, const Pixels& pixels, Find what
         (w[i] > 0) & (qz[i] > 0) & (u >= -0.5F) & (v >= -0.5F) & (u < most_u) & (v < most_v);
     run.u_px[i] = u;
     run.v_px[i] = v;
-    // The tables have borders of one pixel that know nothing.
+    // The tables have borders of one unknown pixel.
     const auto column = static_cast<std::int32_t>(inside ? u + 1.5F : 0.0F);
     const auto line = static_cast<std::int32_t>(inside ? v + 1.5F : 0.0F);
     const std::int32_t top = inside ? run.face[i] * (face_rows + 2) : 0;
@@ -156,7 +156,7 @@ void MovingBackground::find_in(std::size_t part, const Pixels& pixels, Find what
   }
 }
 
-/// Whether the model of a pixel saw its surface, not another one before it.
+/// Whether the model saw the pixel's surface and not another one before it.
 bool MovingBackground::shows(const Run& run, std::size_t i) const {
   if (run.at[i] == 0) return false;
   const float seen_w = parts_[static_cast<std::size_t>(run.part[i])].w.row(0)[run.at[i]];
@@ -189,10 +189,10 @@ void MovingBackground::normals(int x0, int y, std::span<PackedNormal> out, int s
   }
 }
 
-/// Colours of a run and, as x, their spread or kUnknownColor.
+/// Looks up the colours of a run with, as x, their sigma or kUnknownColor.
 void MovingBackground::colors_of(const Part& part, const Run& run,
                                  std::array<Rgbx16, kMostColumns>& out) {
-  // In the table of colours, whose faces have a border too.
+  // Rows in the table of colours, whose faces have a border too.
   const auto factor = static_cast<float>(part.color_factor);
   const auto table_rows = static_cast<float>(part.color_factor * part.tables.face_rows + 2);
   const auto stride = static_cast<std::int32_t>(part.color.stride());
@@ -202,7 +202,7 @@ void MovingBackground::colors_of(const Part& part, const Run& run,
   alignas(64) std::array<std::int32_t, kBackgroundRun> known;
   for (std::size_t i = 0; i < run.count; i += kLanes) {
     const IntLanes at = run.places(i);
-    // The model saw another surface before this one: that one's colour says nothing about it.
+    // Where the model saw another surface in front, its colour is not this surface's.
     const FloatLanes seen_w = gather(part.w.row(0), at);
     const FloatLanes off = abs(1 - load<FloatLanes>(&run.z_m[i]) * seen_w);
     const IntLanes is_known = (at != 0) & ~((seen_w > 0) & (off > kHiddenPart));
@@ -223,12 +223,12 @@ void MovingBackground::colors_of(const Part& part, const Run& run,
     if (known[i] == 0) out[i].x = kUnknownColor;
 }
 
-/// One after another, negative where unknown, with their spread.
+/// Writes colours one after another, negative where unknown, and their sigma.
 void MovingBackground::find_colors(const Pixels& pixels, Rgbf* color, float* sigma) const {
   const std::size_t count = std::min(kBackgroundRun, static_cast<std::size_t>(pixels.count));
   std::fill_n(color, count, Rgbf{-1, -1, -1});
   std::fill_n(sigma, count, 0.0F);
-  std::array<float, kBackgroundRun> best;  // score of the model whose colour a pixel has
+  std::array<float, kBackgroundRun> best;  // score of the model that gave the colour
   std::fill_n(best.begin(), count, 0.0F);
   std::array<Rgbx16, kBackgroundRun> found;
   constexpr float kPerLinear = 1 / kLinearOne;

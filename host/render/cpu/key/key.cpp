@@ -17,7 +17,8 @@ constexpr auto kBackground = static_cast<std::uint8_t>(PixelState::kBackground);
 constexpr auto kForeground = static_cast<std::uint8_t>(PixelState::kForeground);
 constexpr auto kDoubt = static_cast<std::uint8_t>(PixelState::kEdge);
 
-/// Whether any pixel shows what a mirror shows: farther than the background around a hole of it.
+/// Classifies a row by depth. Returns whether a pixel shows a mirror's depth: farther than the
+/// background around an unmeasured area.
 bool classify_row(const float* w, const float* limit_w, int width, std::uint8_t* state) {
   int mirrored = 0;
   for (int x = 0; x < width; ++x) {
@@ -32,7 +33,7 @@ bool classify_row(const float* w, const float* limit_w, int width, std::uint8_t*
   return mirrored != 0;
 }
 
-/// A row without a background: what lies over the volume's floor is foreground.
+/// Classifies a row without a background: what lies over the volume's floor is foreground.
 void classify_over_floor(const KeyInput& input, const float* w, int y, int width,
                          std::uint8_t* state) {
   constexpr int kRun = 256;
@@ -49,7 +50,7 @@ void classify_over_floor(const KeyInput& input, const float* w, int y, int width
   }
 }
 
-/// Foreground outside the capture box becomes background.
+/// Turns foreground outside the capture box into background.
 void crop_row(const KeyInput& input, const float* w, int y, int width, std::uint8_t* state) {
   const PinholeParams& view = input.tables.warp.view;
   const KeyPassParams& p = input.params;
@@ -63,7 +64,7 @@ void crop_row(const KeyInput& input, const float* w, int y, int width, std::uint
   }
 }
 
-/// Foreground that lost the vote has no depth.
+/// Makes the depth of foreground that lost the vote unknown.
 void drop_depth(const KeyScratch& scratch, int bx, int by, const Image<std::uint8_t>& matte,
                 Image<float>& view_w) {
   for (int y = block_begin(by); y < block_end(by, matte.height()); ++y)
@@ -71,7 +72,8 @@ void drop_depth(const KeyScratch& scratch, int bx, int by, const Image<std::uint
       if (scratch.state.row(y)[x] == kForeground && matte.row(y)[x] == 0) view_w.row(y)[x] = 0;
 }
 
-/// Colours of a row of blocks where votes look at them: in blocks to decide and their neighbours.
+/// Draws the colours that a row of blocks needs: those of blocks where votes decide, and of their
+/// neighbours.
 void draw_colors(const KeyScratch& scratch, int by, Size size, MovingBackground& moving) {
   constexpr int kMostBlocks = MovingBackground::kMostColumns / kBlockPx;
   block_runs(scratch.planes.decided1.row(by), scratch.blocks_size.width, kMostBlocks,
@@ -82,7 +84,7 @@ void draw_colors(const KeyScratch& scratch, int by, Size size, MovingBackground&
              });
 }
 
-/// The matte of a row of blocks where votes do not decide.
+/// Writes the matte of a row of blocks where votes do not decide.
 void fill_others(const BlockPlanes& planes, int by, Image<std::uint8_t>& matte) {
   const std::uint8_t *decided = planes.decided.row(by), *foreground = planes.foreground.row(by);
   const int width = planes.decided.width();
@@ -108,7 +110,7 @@ void sample_blocks(const KeyInput& input, const Image<float>& view_w, int by, Ke
       sample_pair(input, view_w, bx, by, scratch);
 }
 
-/// Counts what a mirror shows in a row of blocks.
+/// Counts the pixels with a mirror's depth in a row of blocks.
 void count_mirrored(const Image<float>& view_w, const Image<float>& limit_w, int by,
                     KeyScratch& scratch) {
   std::uint8_t* mirrored = scratch.planes.mirrored.row(by);

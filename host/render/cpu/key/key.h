@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass key: which pixels show people, by depth, and by colour where depth is in doubt.
+// Pass key: finds the pixels that show people, by depth, and by colour where depth is in doubt.
 #pragma once
 
 #include <vector>
@@ -16,10 +16,10 @@
 
 namespace mixrig::render::cpu {
 
-/// Linear light, 0..1.
+/// Linear light of a pixel, 0..1.
 inline glm::vec3 linear(Rgbx16 p) { return glm::vec3(p.r, p.g, p.b) * (1 / kLinearOne); }
 
-/// Sums over pixels, linear.
+/// Count, sums and sums of squares of linear colours.
 struct ColorSums {
   int count = 0;
   glm::vec3 color{0}, square{0};
@@ -27,23 +27,23 @@ struct ColorSums {
   void add(const ColorSums& s) { count += s.count, color += s.color, square += s.square; }
 };
 
-/// Sums over a block of kBlockPx x kBlockPx pixels; `sampled` ones of BlockPlanes hold them.
+/// Sums over a block of kBlockPx x kBlockPx pixels, computed where BlockPlanes::sampled is set.
 struct Block {
-  float w_sum = 0;           ///< over foreground
-  float near_w = 0;          ///< where votes decide: mean w of the foreground around
-  ColorSums people;          ///< foreground not drawn by a cut cell
-  ColorSums room;            ///< background; where its colour was not learned
-  glm::vec3 room_color{-1};  ///< where votes decide: mean of the blocks around
+  float w_sum = 0;           ///< inverse depths of foreground
+  float near_w = 0;          ///< mean w of the foreground around, set where votes decide
+  ColorSums people;          ///< foreground that no cut cell drew
+  ColorSums room;            ///< background, if its colour was not learned
+  glm::vec3 room_color{-1};  ///< mean of the blocks around, set where votes decide
 };
 
 struct KeyScratch {
-  /// For crews of `threads`.
+  /// Allocates for crews of `threads`.
   KeyScratch(Size view_size, float tof_footprint_px, int threads);
   Size blocks_size;
   BlockPlanes planes;
   std::vector<Block> blocks;
   Image<std::uint8_t> state;    ///< PixelState before colour votes; kEdge is doubt
-  std::vector<KeyVotes> votes;  ///< of each thread
+  std::vector<KeyVotes> votes;  ///< one for each thread
   RefineScratch refine;
   Block& at(int x, int y) { return blocks[static_cast<std::size_t>(y * blocks_size.width + x)]; }
   const Block& at(int x, int y) const {
@@ -57,16 +57,17 @@ struct KeyInput {
   const KeyPassParams& params;
   const BackgroundView& background;
   const Image<Rgbx16>& plate;
-  ToneCurve tone{};                     ///< of the plate over the learned background
-  MovingBackground* moving = nullptr;   ///< draws the colours of `background` that are needed
-  const FrameBefore* before = nullptr;  ///< joins the matte; null: nothing is known of before
+  ToneCurve tone{};                    ///< plate relative to the learned background
+  MovingBackground* moving = nullptr;  ///< if not null, draws the colours of `background` on demand
+  const FrameBefore* before = nullptr;  ///< previous frame for the steady matte; null: unknown
   bool learned() const { return !background.color.empty(); }
-  bool needs_room() const { return params.color && !learned(); }  ///< its colours beside people
+  /// Estimates the room's colours beside people.
+  bool needs_room() const { return params.color && !learned(); }
 };
 
-/// Writes the matte. `view_w` becomes a person's depth where the matte is not 0 (that of the
-/// foreground around where it measured none, the nearer of both where the background has no depth),
-/// and unknown where foreground lost the vote.
+/// Writes the matte. Where the matte is not 0, `view_w` becomes the person's inverse depth:
+/// measured, filled from the foreground around, or the nearer of both where the background has no
+/// depth. Where foreground lost the vote it becomes unknown.
 void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& view_w,
          Image<std::uint8_t>& matte);
 

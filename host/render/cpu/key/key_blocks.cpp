@@ -11,7 +11,7 @@ constexpr auto kHidden = static_cast<std::uint8_t>(PixelState::kUnknown);
 constexpr auto kSpeckleFrom = static_cast<std::uint8_t>(PixelState::kForeground);
 constexpr auto kSpeckleTo = static_cast<std::uint8_t>(PixelState::kBackground);
 
-/// Joins into `to` what lies within `radius` of each place, first along rows, then along columns.
+/// Joins values within `radius` of each place into `to`, first along rows, then along columns.
 template <typename From, typename T, typename Join>
 void join_around(const Image<From>& from, int radius, Image<T>& rows, Image<T>& to, Join&& join) {
   const int width = from.width(), height = from.height();
@@ -39,7 +39,7 @@ constexpr auto kAdd = [](std::uint16_t a, std::uint16_t b) {
   return static_cast<std::uint16_t>(a + b);
 };
 
-/// Counts eight states at once: foreground is binary 10, doubt 11, unknown 00.
+/// Counts eight states at once; in binary foreground is 10, doubt 11, unknown 00.
 struct RowCount {
   std::uint64_t foreground = 0;  ///< a byte a column
   std::uint64_t doubt = 0, unknown = 0;
@@ -73,14 +73,14 @@ void BlockPlanes::count(const Image<std::uint8_t>& state, int bx, int by, int pi
   unknown.row(by)[bx] = c.unknown != 0;
 }
 
-/// One state of a block becomes background.
+/// Replaces one state of a block by background.
 void BlockPlanes::replace(int bx, int by, std::uint8_t from, Image<std::uint8_t>& state) const {
   for (int y = block_begin(by); y < block_begin(by + 1); ++y)
     std::replace(state.row(y) + block_begin(bx), state.row(y) + block_begin(bx + 1), from,
                  kSpeckleTo);
 }
 
-/// What is unknown beside what a mirror shows is background.
+/// Turns unknown pixels beside a mirror's depth into background.
 void BlockPlanes::end_mirrors(Image<std::uint8_t>& state) {
   join_around(foreground, kBandBlocks, row_sum_, sum_, kAdd);
   join_around(mirrored, kBandBlocks, row_sum_, mirrored_sum_, kAdd);
@@ -122,7 +122,7 @@ void BlockPlanes::find_band(bool room) {
   };
   each([&](int y, int x) { any_.row(y)[x] = foreground.row(y)[x] > 0; });
   widen(any_, kNearBlocks, near);
-  // A border runs inside a block, or between two: either way one of the two sees both.
+  // A border lies inside a block or between two blocks: either way some block sees both sides.
   widen(any_, kBandBlocks, band);
   widen(others, kBandBlocks, decided);
   each([&](int y, int x) {

@@ -9,7 +9,7 @@
 namespace mixrig::render::cpu {
 namespace {
 
-/// Least spread of a colour: noise and flicker of light.
+/// Least standard deviation of a colour, by noise and flicker of light.
 float floor_sigma(const glm::vec3& c) { return kColorNoise + kColorFlicker * luminance(c); }
 
 NearColor mean_of(const ColorSums& sums) {
@@ -27,7 +27,7 @@ NearColor mean_of(const ColorSums& sums) {
 constexpr auto kSampledForeground = static_cast<std::uint8_t>(PixelState::kForeground);
 constexpr auto kSampledBackground = static_cast<std::uint8_t>(PixelState::kBackground);
 
-/// Sums of colours a column.
+/// Sums of colours, a column a lane.
 struct ColumnSums {
   FloatLanes count{};
   std::array<FloatLanes, 3> color{}, square{};
@@ -51,7 +51,7 @@ struct PairSums {
   ColumnSums people, room;
 };
 
-/// Over the columns x .. x + kLanes - 1 of a row of blocks.
+/// Sums over the columns x .. x + kLanes - 1 of a row of blocks.
 template <bool kRoom>
 PairSums column_sums(const KeyInput& input, const Image<float>& view_w,
                      const Image<std::uint8_t>& states, int x, int by) {
@@ -101,7 +101,8 @@ void sample_pair(const KeyInput& input, const Image<float>& view_w, int bx, int 
 
 namespace {
 
-/// Of the nearest block around that is deep inside the foreground; the first row by row of several.
+/// Colour of the nearest block around that is deep inside the foreground; of several, the first row
+/// by row.
 NearColor deep_color(const KeyScratch& scratch, int bx, int by) {
   const Size size = scratch.blocks_size;
   NearColor out;

@@ -10,9 +10,9 @@ namespace {
 constexpr auto kOfForeground = static_cast<std::uint8_t>(PixelState::kForeground);
 constexpr auto kOfDoubt = static_cast<std::uint8_t>(PixelState::kEdge);
 
-/// Foreground beside a pixel.
+/// The nearest foreground on one side of a pixel.
 struct Beside {
-  int px = kFillReachPx + 1;  ///< distance; beyond the reach: there is none
+  int px = kFillReachPx + 1;  // distance; over kFillReachPx: none
   float w = 0;
   bool known() const { return px <= kFillReachPx; }
 };
@@ -34,7 +34,7 @@ struct DepthFill {
     return out;
   }
 
-  /// Of the two sides of a pixel in one direction.
+  /// The better one of both sides of a pixel along a direction.
   static Beside of(const Beside& a, const Beside& b, float parallax_px_m) {
     const Beside& near = a.px <= b.px ? a : b;
     if (!a.known() || !b.known()) return near;
@@ -65,7 +65,7 @@ void fill_depth(const KeyInput& input, const KeyScratch& scratch, int bx, int by
       if (state == kOfForeground || matte.row(y)[x] == 0) continue;
       float& w = view_w.row(y)[x];
       const float beside = fill.w_at(x, y, otherwise);
-      // What is known and nearer is kept in doubt: virtual objects must not cover it.
+      // Doubt keeps a known depth that is nearer: virtual objects must not cover it.
       w = state == kOfDoubt ? std::max(w, beside) : beside;
     }
 }

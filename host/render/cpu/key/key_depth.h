@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass key: the depth of people's pixels that have none of their own.
+// Pass key: fills the depth of people's pixels that have no measurement.
 #pragma once
 
 #include "hal/base/image.h"
@@ -7,10 +7,10 @@
 
 namespace mixrig::render::cpu {
 
-/// For pixels of the block that votes gave to people: the inverse depth of the foreground that is
-/// nearest in the picture along rows and columns; of two that lie so far apart as the nearer one
-/// hides from the ToF camera, the rear one. Writes pixels that are not foreground and reads others,
-/// so that blocks may be filled at once.
+/// Gives each pixel of a block that votes gave to people the inverse depth of the nearest
+/// foreground along its row and column. Where the nearer of two surfaces hides the place from the
+/// ToF camera, the rear one is taken. Writes only pixels that are not foreground and reads only
+/// others, so that blocks may be filled in parallel.
 void fill_depth(const KeyInput& input, const KeyScratch& scratch, int bx, int by,
                 const Image<std::uint8_t>& matte, Image<float>& view_w);
 

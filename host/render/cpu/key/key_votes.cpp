@@ -15,7 +15,7 @@ constexpr auto kVotedBackground = static_cast<std::uint8_t>(PixelState::kBackgro
 constexpr auto kVotedForeground = static_cast<std::uint8_t>(PixelState::kForeground);
 constexpr auto kVotedDoubt = static_cast<std::uint8_t>(PixelState::kEdge);
 
-/// Shares of depth taps in fifths, so that they are added as bytes.
+/// Values of depth taps are stored in fifths, so that bytes hold their sums.
 constexpr int kFifths = 5, kDepthTaps = (2 * kDepthTapRadius + 1) * (2 * kDepthTapRadius + 1);
 static_assert(kUnknownShare * kFifths == 2 && kDepthTaps * kFifths < 256);
 
@@ -23,7 +23,8 @@ FloatLanes clamp(FloatLanes v, FloatLanes least, FloatLanes most) {
   return min(max(v, least), most);
 }
 
-/// Squared distance to the learned background over its variance, and the largest vote.
+/// Squared distance to the learned background over its variance, that variance, and the largest
+/// vote.
 struct LearnedDistance {
   FloatLanes square, variance, most;
 };
@@ -45,7 +46,7 @@ LearnedDistance to_learned(const KeyInput& input, const ColorLanes& p, const Col
   IntLanes no_shadow = brighter;
   if (!input.moving) no_shadow |= dot(off, off) > kOtherColor * variance;
   FloatLanes most = no_shadow ? FloatLanes{} + kBrighterVoteCap : FloatLanes{} + kColorVoteCap;
-  most = learned.r < 0 ? FloatLanes{} : most;  // unknown
+  most = learned.r < 0 ? FloatLanes{} : most;  // an unknown colour does not vote
   return {dot(d, d) / variance + dark * dark, variance, most};
 }
 
@@ -55,7 +56,7 @@ FloatLanes square_to(const ColorLanes& p, const NearColor& c) {
   return dot(d, d) / c.variance;
 }
 
-/// Log odds that no colour has.
+/// Magnitude of log odds that no colour reaches.
 constexpr float kNoPerson = 1e9F;
 
 /// Whether the depth taps all around a pixel show people.
@@ -110,7 +111,7 @@ void KeyVotes::load_colors(const KeyInput& input, int bx0, int bx1, int by) {
              j);
 }
 
-/// Of the block whose first pixel is i0.
+/// Averages over 3x3 pixels in the block whose first pixel is i0.
 void KeyVotes::mean_of_colors(const KeyInput& input, const NearColors& near, int i0,
                               Means& means) const {
   const NearColor &people = near.people, &room = near.room, &deep = near.deep;
@@ -153,8 +154,8 @@ void KeyVotes::mean_of_colors(const KeyInput& input, const NearColors& near, int
     }
 }
 
-/// Sums of the depth taps, in fifths, around the pixels x0 .. x1 - 1 of row y. The taps lie on a
-/// grid of columns and rows; beyond the picture they count its border.
+/// Sums the depth taps, in fifths, around the pixels x0 .. x1 - 1 of row y. The taps form a grid of
+/// columns and rows; beyond the picture its border repeats.
 void KeyVotes::sum_depths(const Image<std::uint8_t>& state, Size size, const Taps& taps, int x0,
                           int x1, int y, std::uint8_t* sums) {
   const int reach = taps.back(), left = x0 - reach, right = x1 + reach;

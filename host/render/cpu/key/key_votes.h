@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass key: votes of colour and depth for the pixels of a run of blocks.
+// Pass key: votes by colour and depth for the pixels of a run of blocks.
 #pragma once
 
 #include <array>
@@ -14,29 +14,29 @@ struct KeyInput;
 struct KeyScratch;
 struct NearColors;
 
-/// Whether votes of people or of background are more, for runs of blocks where votes decide.
-/// Memory of one thread.
+/// Decides between people and background by votes, for runs of blocks. For one thread.
 class KeyVotes {
  public:
-  /// Distances of the taps of depth votes, by the ToF footprint. Allocates only where it is larger
-  /// than any before.
+  /// Sets the distances of the depth taps. Allocates only if the footprint is larger than ever
+  /// before.
   void set_footprint(float tof_footprint_px);
   static constexpr int kMostBlocks = 16;
 
-  /// Writes the matte of the blocks bx0 .. bx1 - 1, at most kMostBlocks, of row `by`.
-  /// docs/method/compositor.md, "Key".
+  /// Writes the matte of blocks bx0 .. bx1 - 1, at most kMostBlocks, of row `by`
+  /// (docs/method/compositor.md, "key").
   void decide(const KeyInput& input, int bx0, int bx1, int by, KeyScratch& scratch,
               Image<std::uint8_t>& matte);
 
  private:
   static constexpr int kRunPx = kMostBlocks * kBlockPx;
-  static constexpr int kRows = kBlockPx + 2;  ///< colour votes look one pixel around
+  static constexpr int kRows = kBlockPx + 2;  ///< colour votes need one pixel around
   static constexpr int kStride = kRunPx + 2 * 16;
-  static constexpr int kVoteStride = 16;  ///< of kRows votes, and what a register holds more
+  static constexpr int kVoteStride = 16;  ///< kRows votes, padded to registers
   using Rows = std::array<std::array<float, kStride>, kRows>;
   using Votes = std::array<std::array<float, kVoteStride>, kRows>;
   using Mean = std::array<std::array<float, kBlockPx>, kBlockPx>;
-  /// Over 3x3 pixels: colour votes, and which part of them people's colours cannot explain.
+  /// Means over 3x3 pixels: colour votes, and the part of pixels that people's colours cannot
+  /// explain.
   struct Means {
     Mean vote, other;
   };
@@ -48,12 +48,12 @@ class KeyVotes {
   void sum_depths(const Image<std::uint8_t>& state, Size size, const Taps& taps, int x0, int x1,
                   int y, std::uint8_t* sums);
 
-  Taps near_{}, around_{};             ///< of depth votes, pixels
+  Taps near_{}, around_{};             ///< offsets of the depth taps, pixels
   std::vector<std::uint8_t> columns_;  ///< sums of a row's taps along columns
   std::array<std::array<std::uint8_t, kRunPx>, kBlockPx> depths_{}, around_depths_{};
-  // From one pixel left of and above the run on.
-  Rows r_{}, g_{}, b_{};  ///< plate, linear
-  Rows distance_{};       ///< of the learned background: squared, over its variance
+  // The rows start one pixel left of and above the run.
+  Rows r_{}, g_{}, b_{};  ///< plate, linear light
+  Rows distance_{};       ///< squared distance to the learned background, over its variance
   Rows log_spread_{};     ///< logarithm of that variance
   Rows most_{};           ///< largest vote; 0: colour does not vote
 };

@@ -8,7 +8,7 @@
 namespace mixrig::render::cpu {
 namespace {
 
-/// What is read and written: half open, pixels.
+/// Pixels that are read or written, half open.
 Rect moved_area(const Image<glm::vec2>& shift_px, int cell_px, Size size) {
   Rect cells{shift_px.width(), shift_px.height(), 0, 0};
   int most = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass key from frame to frame: people's depth is brought to the time of the plate, and the matte
-// of the frame before joins that of this one.
+// Pass key over time: people's depth is moved to the time of the plate, and the previous matte is
+// blended in.
 #pragma once
 
 #include <optional>
@@ -11,16 +11,17 @@
 
 namespace mixrig::render::cpu {
 
-/// Memory of one compositor; not thread-safe. Allocates in the first frames only.
+/// Used by one compositor; not thread-safe. Allocates in the first frames only.
 class PeopleKey {
  public:
-  /// Borrows both. `tables` still hold plate_px now.
+  /// Borrows `setup` and `tables`. `tables` must still hold plate_px.
   PeopleKey(const CompositorSetup& setup, const Tables& tables, int threads);
-  /// Takes how people moved since the frame before. `plate`: of that frame; it is kept where the
-  /// mattes join, and another image of its size is given for it. Before the plate is drawn.
+  /// Estimates how people moved since the previous frame; call it before the plate is drawn.
+  /// `plate` holds the previous plate; if mattes are blended it is kept, and swapped for another
+  /// image of its size.
   void follow(Crew& crew, const FrameInput& input, Image<Rgbx16>& plate);
-  /// Writes the matte; `view_w` becomes people's depth, as of key(). `input.before` is set here.
-  /// `depth_delay_s`: of the frame.
+  /// Writes the matte; `view_w` becomes people's depth, as by key(). Sets `input.before`.
+  /// `depth_delay_s`: delay of the frame's depth.
   void key(Crew& crew, double depth_delay_s, KeyInput input, Image<float>& view_w,
            Image<std::uint8_t>& matte);
   const KeyScratch& scratch() const { return scratch_; }
@@ -31,11 +32,11 @@ class PeopleKey {
   const CompositorSetup& setup_;
   const Tables& tables_;
   KeyScratch scratch_;
-  std::optional<PeopleMotion> motion_;            ///< of a camera that stands still
-  Image<glm::vec2> depth_shift_px_;               ///< of its cells
-  Image<float> unmoved_w_;                        ///< once people's depth has moved
-  Image<Rgbx16> plate_before_;                    ///< of the frame before, where its matte joins
-  Image<std::uint8_t> matte_now_, matte_before_;  ///< the same
+  std::optional<PeopleMotion> motion_;  ///< for a camera that stands still
+  Image<glm::vec2> depth_shift_px_;     ///< one for each cell of motion_
+  Image<float> unmoved_w_;              ///< used when people's depth moves
+  Image<Rgbx16> plate_before_;          ///< of the previous frame, if its matte is blended in
+  Image<std::uint8_t> matte_now_, matte_before_;  ///< of this and the previous frame
   bool has_now_ = false, has_before_ = false;
 };
 

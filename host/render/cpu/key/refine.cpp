@@ -20,7 +20,7 @@ ColorLanes guide(const Rgbx16* row, int x, int width) {
   return {sqrt(c.r), sqrt(c.g), sqrt(c.b)};
 }
 
-/// Sums over kTilePx neighbours, in the first lanes.
+/// Sums groups of kTilePx neighbouring lanes, into the first lanes.
 template <int kTilePx>
 FloatLanes fold(FloatLanes v) {
   if constexpr (kTilePx == 1) return v;
@@ -28,7 +28,7 @@ FloatLanes fold(FloatLanes v) {
   return fold<std::max(1, kTilePx / 2)>(pairs);
 }
 
-/// Sums of the tiles in the columns x .. x + kLanes - 1 of row ty of tiles.
+/// Sums over the tiles in the columns x .. x + kLanes - 1 of row ty of tiles.
 template <int kTilePx>
 void sum_tiles(const Image<Rgbx16>& plate, const Image<std::uint8_t>& matte, int x, int ty,
                TileNumbers& sums) {
@@ -51,7 +51,7 @@ void sum_tiles(const Image<Rgbx16>& plate, const Image<std::uint8_t>& matte, int
   }
 }
 
-/// Of kLanes windows from (x, y) on.
+/// Sums over kLanes windows from tile (x, y) on.
 SumLanes sum_windows(const RefineScratch& scratch, int x, int y) {
   constexpr int kReach = kMatteWindowTiles;
   SumLanes s{};
@@ -63,7 +63,7 @@ SumLanes sum_windows(const RefineScratch& scratch, int x, int y) {
   return s;
 }
 
-/// Line and means of windows: a = (cov(c, c) + kMatteSpread2)^-1 cov(c, p), by cofactors.
+/// Line and means of windows: a = (cov(c, c) + kMatteSpread2)^-1 cov(c, p), solved by cofactors.
 LineLanes fit(const SumLanes& s) {
   const FloatLanes n = 1 / s[0], p = s[1] * n;
   const ColorLanes mean{n * s[2], n * s[3], n * s[4]};
@@ -89,7 +89,7 @@ void fit_tiles(int x, int y, RefineScratch& scratch) {
     store(scratch.lines.at(static_cast<int>(k), x, y), line[k]);
 }
 
-/// Lines beyond the picture are those at its border.
+/// Repeats the lines at the border for tiles beyond the picture.
 void end_lines(int y, RefineScratch& scratch) {
   for (int k = 0; k < RefineScratch::kLine; ++k) {
     float* row = scratch.lines.at(k, 0, y);
@@ -97,8 +97,8 @@ void end_lines(int y, RefineScratch& scratch) {
   }
 }
 
-/// Where the pixels of a register lie between tiles, if its first one begins a tile: pixel i is
-/// `part` of the way from tile `left(i)` - 1 to the next one.
+/// Positions of a register's pixels between tile centres, if its first pixel begins a tile: pixel i
+/// is `part` of the way from tile `left(i)` - 1 to the next tile.
 template <int kTilePx>
 struct Between {
   static constexpr int left(int i) { return (2 * i + 1 + kTilePx) / (2 * kTilePx); }
@@ -114,8 +114,8 @@ struct Between {
   }
 };
 
-/// Line of kLanes pixels of row y from x on, which begins a tile: bilinear over the centres of
-/// tiles.
+/// Lines for kLanes pixels of row y from x on, where x begins a tile: bilinear between the centres
+/// of tiles.
 template <int kTilePx>
 LineLanes lines_at(const RefineScratch& s, int x, int y) {
   const float v = std::max(0.0F, (static_cast<float>(y) + 0.5F) / kTilePx - 0.5F);
@@ -133,7 +133,8 @@ LineLanes lines_at(const RefineScratch& s, int x, int y) {
   return line;
 }
 
-/// The share of people by the line, mixed with that by both colours, by how sure that is.
+/// Mixes the people's share by the line with their share by both colours, weighted by the latter's
+/// confidence.
 FloatLanes share_of_colors(const KeyInput& input, const LineLanes& line, FloatLanes share, int x,
                            int y) {
   constexpr FloatLanes kNone{}, kAll = kNone + 1;
@@ -178,7 +179,7 @@ template <int kTilePx>
 void refine_by_tiles(Crew& crew, const KeyInput& input, const BlockPlanes& blocks,
                      RefineScratch& scratch, Image<std::uint8_t>& matte) {
   constexpr int kPerBlock = kBlockPx / kTilePx, kGrain = 2;
-  // Of each row of blocks the runs of flagged ones.
+  // Visits the runs of flagged blocks of each row.
   const auto runs = [&](const Image<std::uint8_t>& flags, auto&& visit) {
     crew.rows(flags.height(), kGrain, [&](int begin, int end) {
       for (int by = begin; by < end; ++by)

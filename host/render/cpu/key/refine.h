@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass key, last step: the matte follows the edges of the plate where votes decided.
+// Pass key, last step: refines the matte along edges of the plate where votes decided.
 #pragma once
 
 #include "hal/base/image.h"
@@ -11,8 +11,8 @@ namespace mixrig::render::cpu {
 struct BlockPlanes;
 struct KeyInput;
 
-/// Numbers of tiles, a row of an image for each number of a row of tiles, so that those of
-/// neighbouring tiles lie side by side. Tiles beyond the picture have room.
+/// Several numbers for each tile: one image row for each number of a row of tiles, so that
+/// neighbouring tiles lie side by side. Tiles beyond the picture have memory too.
 struct TileNumbers {
   TileNumbers(Size tiles, int numbers);
   float* at(int number, int x, int y) { return values.row(y * numbers + number) + kMargin + x; }
@@ -28,21 +28,22 @@ struct RefineScratch {
   RefineScratch(Size view_size, float tof_footprint_px);
   int tile_px;  ///< matte_tile_px
   Size tiles;
-  /// Of tiles near blocks where votes decide: sums over the pixels of their number, the matte p,
-  /// the colour c (square roots of linear light) and their products: n, p, c (3), c p (3), c c (6:
-  /// rr, rg, rb, gg, gb, bb).
+  /// Sums over the pixels of tiles near blocks where votes decide: their number n, the matte p, the
+  /// colour c (square roots of linear light) and products, in the order n, p, c (3), c p (3), c c
+  /// (6: rr, rg, rb, gg, gb, bb).
   static constexpr int kSums = 14;
   TileNumbers sums;
-  /// Of the windows around them: the matte as a line of the colour, a . c + b; means of p and c p.
+  /// For the window around each tile: the matte as a line of the colour, a . c + b, and means of p
+  /// and c p.
   static constexpr int kLine = 8;
   TileNumbers lines;
 };
 
 /// Refines the matte of blocks where votes decide by a guided filter: in windows of 5x5 tiles the
 /// matte is a line of the plate's colour, fitted to the voted matte by least squares (He, Sun and
-/// Tang 2010); lines are found once a tile and interpolated (He and Sun 2015). Where a background
-/// was learned and people have another colour, a pixel in doubt gets the share that its colour has
-/// of both.
+/// Tang 2010). Lines are computed once a tile and interpolated (He and Sun 2015). Where a
+/// background was learned and people's colour differs from it, a pixel in doubt gets its share of
+/// both colours.
 void refine(Crew& crew, const KeyInput& input, const BlockPlanes& blocks, RefineScratch& scratch,
             Image<std::uint8_t>& matte);
 

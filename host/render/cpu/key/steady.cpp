@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kWide = kBlockPx + 2;
 
-/// A pixel's difference: of the roots of its three channels, summed, by what light changes.
+/// Difference of two pixels: differences of the roots of the three channels, summed.
 float difference(Rgbx16 a, Rgbx16 b) {
   const auto apart = [](std::uint16_t p, std::uint16_t q) {
     return std::abs(static_cast<float>(p) - static_cast<float>(q));
@@ -23,18 +23,19 @@ float difference(Rgbx16 a, Rgbx16 b) {
   return (apart(a.r, b.r) + apart(a.g, b.g) + apart(a.b, b.b)) / std::sqrt(light + 1);
 }
 
-/// kBeforeShare exp(-x), nearly, and 0 from 4 on.
+/// Approximates kBeforeShare exp(-x); 0 from x = 4 on.
 float share_by(float x) {
   const float t = std::max(0.0F, 1 - 0.25F * x), t2 = t * t;
   return kBeforeShare * t2 * t2;
 }
 
-/// How alike 3x3 pixels are, and what the matte was there.
+/// For each pixel of a block, the share of the previous matte by likeness of 3x3 pixels, and that
+/// matte.
 struct BlockBefore {
   std::array<std::array<float, kBlockPx>, kBlockPx> share{}, matte{};
 };
 
-/// The pixels x0 - from .. of a row, those beyond its ends as at the ends.
+/// Pixels of a row from x0 - from on; beyond its ends the end pixels repeat.
 using Row = std::array<Rgbx16, kWide>;
 Row row_of(const Rgbx16* row, int x0, int from, int last_x) {
   Row out;
@@ -48,10 +49,11 @@ Row row_of(const Rgbx16* row, int x0, int from, int last_x) {
   return out;
 }
 
-/// Where people move, the room stays and only they come from elsewhere.
+/// What the previous matte may do: change the matte either way, only take people away, or only add
+/// people.
 enum class Joins { kAll, kRoom, kPeople };
 
-/// The matte of a frame, with that before.
+/// Blends the previous matte into the matte of a frame.
 struct Join {
   const Image<Rgbx16>& plate;
   const Image<std::uint8_t>& state;
@@ -75,7 +77,7 @@ bool Join::may_be_people(int x, int y) const {
   return false;
 }
 
-/// Whether the matte from so far away is anywhere another one, in the way in which it may join.
+/// Whether blending from `from` pixels away would change the matte of the block in a permitted way.
 bool Join::changes(int x0, int y0, glm::ivec2 from, Joins joins) const {
   const int last_x = matte.width() - 1, last_y = matte.height() - 1;
   bool higher = false, lower = false;
@@ -89,9 +91,11 @@ bool Join::changes(int x0, int y0, glm::ivec2 from, Joins joins) const {
   return (higher && joins != Joins::kRoom) || (lower && joins != Joins::kPeople);
 }
 
-/// Of a block that came from `from` pixels away. Pixels beyond the picture are those at its border.
+/// Compares a block with the previous frame `from` pixels away. Beyond the picture its border
+/// repeats.
 void Join::compare(int x0, int y0, glm::ivec2 from, Joins joins, BlockBefore& out) const {
-  // Three roots differ by sqrt(6) / 2 times (sum |a - b|) / sqrt(sum of six values).
+  // The roots of three channels differ by about sqrt(6) / 2 times (sum |a - b|) / sqrt(sum of the
+  // six values).
   constexpr float kScale = 255.0F * 1.2247449F / 27;
   const float scale = kScale / std::sqrt(static_cast<float>(kLinearOne));
   const int last_x = plate.width() - 1, last_y = plate.height() - 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass key: the matte of the frame before, moved with people, joins where the plate stayed alike.
+// Pass key: blends in the previous matte, moved with people, where the plate has not changed.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -10,17 +10,18 @@
 
 namespace mixrig::render::cpu {
 
-/// The frame before, of the view's size.
+/// Images of the previous frame, of the view's size.
 struct FrameBefore {
   const Image<Rgbx16>& plate;
   const Image<std::uint8_t>& matte;
-  const Image<glm::vec2>& motion_px;  ///< of PeopleMotion, a cell
+  const Image<glm::vec2>& motion_px;  ///< from PeopleMotion, one a cell
   int cell_px = 1;
-  int reach_px = 1;  ///< of a depth camera's pixel: measured background all around stays
+  /// Size of a ToF pixel: where background is measured all around within it, nothing is added.
+  int reach_px = 1;
 };
 
-/// Changes the matte of blocks where votes decided; `state` is that before votes.
-/// docs/method/compositor.md, "Refine".
+/// Changes the matte of blocks where votes decided; `state` holds the states before votes
+/// (docs/method/compositor.md, "key, steady").
 void join_before(Crew& crew, const Image<Rgbx16>& plate, const BlockPlanes& blocks,
                  const Image<std::uint8_t>& state, const FrameBefore& before,
                  Image<std::uint8_t>& matte);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: what the background shows at the corners of a tile's cells.
+// Pass light: surface points of the background at the corners of a tile's cells.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace mixrig::render::cpu {
 
-/// Points of the background at the corners.
+/// Depth, normal and point of the background at each corner.
 struct BackgroundCorners {
   CornerValues depth_m;
   alignas(64) std::array<PackedNormal, kCornersPadded> normal{};
@@ -23,7 +23,7 @@ inline VectorLanes rays_at(const PinholeParams& view, FloatLanes x, FloatLanes y
           FloatLanes{} + 1.0F};
 }
 
-/// No lamp lights what has no depth.
+/// Surface point of a pixel; without depth its normal is 0, so that no lamp lights it.
 inline SurfaceLanes surface_at(const VectorLanes& ray, FloatLanes depth,
                                const PackedNormal* normals) {
   const VectorLanes n = unpack(load<IntLanes>(normals), ray);
@@ -31,7 +31,7 @@ inline SurfaceLanes surface_at(const VectorLanes& ray, FloatLanes depth,
   return {{ray.x * depth, ray.y * depth, ray.z * depth}, {known(n.x), known(n.y), known(n.z)}};
 }
 
-/// kLanes pixels of a cell, row by row.
+/// kLanes pixels of a cell, in row order.
 struct CellPixels {
   alignas(64) std::array<float, kLanes> depth_m, x, y;
   CellPixels(ImageView<const float> depths_m, int x0, int y0, int first) {
@@ -46,7 +46,7 @@ struct CellPixels {
     return rays_at(view, load<FloatLanes>(x.data()), load<FloatLanes>(y.data()));
   }
   FloatLanes depth() const { return load<FloatLanes>(depth_m.data()); }
-  /// Their way over the cell, 0..1.
+  /// Position of the pixels over the cell, 0..1.
   FloatLanes across(const Rect& cell) const {
     return (load<FloatLanes>(x.data()) - static_cast<float>(cell.x0)) / kCellPx;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: cells of 8x8 pixels of a tile, and values at their corners.
+// Pass light: cells of 8x8 pixels of a tile, and interpolation between values at their corners.
 #pragma once
 
 #include <algorithm>
@@ -13,22 +13,23 @@ namespace mixrig::render::cpu {
 
 inline constexpr int kCellPx = 8;
 inline constexpr int kCellsAcross = kLitTileWidth / kCellPx, kCellsDown = kLitTileHeight / kCellPx;
-/// Of the share of a lamp, or of light, over a cell: more than a tap of a filter.
+/// Largest change over a cell, of a lamp's share or of light, that is interpolated: more than a tap
+/// of a filter.
 inline constexpr float kMostChange = 0.1F;
-/// By which a depth within a cell may differ from the plane through its corners.
+/// Largest relative difference between a depth in a cell and the plane through its corners.
 inline constexpr float kFlatPart = 0.01F;
 
 inline constexpr std::size_t kCornersPadded =
     ((kCellsAcross + 1) * (kCellsDown + 1) + kLanes - 1) / kLanes * kLanes;
-/// Values at the corners of a tile's cells, row by row.
+/// Values at the corners of a tile's cells, in row order.
 struct alignas(64) CornerValues : std::array<float, kCornersPadded> {};
 
-/// Number of a corner.
+/// Index of a corner.
 constexpr std::size_t corner(int column, int row) {
   return static_cast<std::size_t>(row * kCellsAcross + row + column);
 }
 
-/// The corners of a cell, from its upper left one.
+/// Corner indices of a cell: upper left, upper right, lower left, lower right.
 struct CellOf {
   std::size_t a, b, c, d;
 };
@@ -41,7 +42,7 @@ inline Rect cell_rect(const Rect& tile, int column, int row) {
   return {x0, y0, std::min(x0 + kCellPx, tile.x1), std::min(y0 + kCellPx, tile.y1)};
 }
 
-/// By how much values differ over a cell.
+/// Largest difference between a cell's corners.
 inline float change_over(const CornerValues& v, const CellOf& c) {
   const auto [least, most] = std::minmax({v[c.a], v[c.b], v[c.c], v[c.d]});
   return most - least;
@@ -78,7 +79,7 @@ void between(const CornerValues& v, const CellOf& c, Visit&& visit) {
     for (int x = 0; x < kCellPx; ++x) visit(x, y, left + step * static_cast<float>(x));
   }
 }
-/// The same at places `across` and `down` its sides, 0..1.
+/// Interpolates at positions `across` and `down` of the cell's sides, 0..1.
 inline FloatLanes between(const CornerValues& v, const CellOf& c, FloatLanes across,
                           FloatLanes down) {
   const FloatLanes left = v[c.a] + (v[c.c] - v[c.a]) * down;
@@ -86,7 +87,8 @@ inline FloatLanes between(const CornerValues& v, const CellOf& c, FloatLanes acr
   return left + (right - left) * across;
 }
 
-/// Whether the values of a cell's pixels, the first at `from`, lie on the plane of its corners.
+/// Whether the values of a cell's pixels, the first at `from`, lie on the plane of its corners, all
+/// of which must be positive.
 inline bool is_flat(const float* from, std::ptrdiff_t stride, const CornerValues& v,
                     const CellOf& c) {
   if (!(v[c.a] > 0 && v[c.b] > 0 && v[c.c] > 0 && v[c.d] > 0)) return false;
@@ -104,7 +106,7 @@ void each_cell(Visit&& visit) {
     for (int column = 0; column < kCellsAcross; ++column) visit(column, row);
 }
 
-/// Calls visit(number, x, y) for each corner, within the view.
+/// Calls visit(number, x, y) for each corner of a tile, with (x, y) clamped to the view.
 template <typename Visit>
 void each_corner(const Rect& tile, Size view, Visit&& visit) {
   for (int row = 0; row <= kCellsDown; ++row)
@@ -113,8 +115,8 @@ void each_corner(const Rect& tile, Size view, Visit&& visit) {
             std::min(tile.y0 + row * kCellPx, view.height - 1));
 }
 
-/// Whether every lamp in doubt is so wide that casters are found from further away than over a
-/// cell: else a narrow shadow could lie between corners.
+/// Whether the blur of every lamp in `maybe` is wider than a cell; else a narrow shadow could lie
+/// between corners.
 bool blur_allows_cells(const PinholeParams& view, const std::vector<LampParams>& lamps,
                        const std::vector<ShadowMap>& maps, LampSet maybe, const Rect& tile,
                        float near_m, float far_m);

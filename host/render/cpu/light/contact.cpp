@@ -8,7 +8,7 @@ namespace mixrig::render::cpu {
 namespace {
 
 constexpr FloatLanes kZero{};
-constexpr float kLeastAxisPart = 0.05F;  ///< a normal has no part along an axis below it
+constexpr float kLeastAxisPart = 0.05F;  ///< smaller components of a normal count as 0
 
 using Three = std::array<FloatLanes, 3>;
 
@@ -19,13 +19,14 @@ Three turned(const glm::mat4& m, const VectorLanes& v) {
   return out;
 }
 
-/// Cells below a place of the grid, and the way on to the next ones.
+/// Cell below a grid position, and the fraction of the way to the next cells.
 struct GridPlace {
   IntLanes first{};
   Three share;
 };
 
-/// Place along an axis of what is nearest `in_box_m` of the box, and `off_m` beyond it.
+/// Grid position along an axis of a point whose nearest place in the box is `in_box_m`, `off_m`
+/// beyond it.
 FloatLanes along_axis(const ContactParams& p, int axis, FloatLanes in_box_m, FloatLanes off_m) {
   const float low = p.low_m[axis], high = p.high_m[axis];
   const FloatLanes root = sqrt(abs(off_m) / p.reach_m);
@@ -35,11 +36,11 @@ FloatLanes along_axis(const ContactParams& p, int axis, FloatLanes in_box_m, Flo
 
 FloatLanes byte_of(IntLanes packed, int k) { return to_float((packed >> (8 * k)) & 255); }
 
-/// Share that is hidden from normals whose squares, of the parts along and against each axis, are
-/// `up` and `down`.
+/// Hidden share for normals whose squared components along and against each axis are `up` and
+/// `down`.
 FloatLanes hidden_at(const HiddenShares* shares, const GridPlace& at, const Three& up,
                      const Three& down) {
-  const auto* const words = reinterpret_cast<const float*>(shares);  // two a place
+  const auto* const words = reinterpret_cast<const float*>(shares);  // two words a grid point
   const auto needed = [](const Three& t) { return any(max(max(t[0], t[1]), t[2]) > 0); };
   const bool some_up = needed(up), some_down = needed(down);
   FloatLanes sum{};
@@ -63,7 +64,7 @@ FloatLanes hidden_at(const HiddenShares* shares, const GridPlace& at, const Thre
   return sum * (1.0F / 255);
 }
 
-/// Light of the sides that face a point `off` the box.
+/// Light of the box's sides that face a point `off` the box.
 VectorLanes light_sent(const ContactParams& p, const Three& off) {
   const FloatLanes all = off[0] * off[0] + off[1] * off[1] + off[2] * off[2];
   VectorLanes sum{};
@@ -78,11 +79,11 @@ VectorLanes light_sent(const ContactParams& p, const Three& off) {
   return sum;
 }
 
-/// Where points lie about an object's box, along its axes.
+/// Position of points relative to an object's box, along its axes.
 struct BesideBox {
-  Three in_box_m;       ///< the nearest place of the box
-  Three off_m;          ///< from there on
-  FloatLanes farthest;  ///< the largest of these
+  Three in_box_m;       ///< nearest point of the box
+  Three off_m;          ///< vector from that point
+  FloatLanes farthest;  ///< largest component of off_m
 };
 BesideBox beside_box(const ContactParams& p, const Three& at_m) {
   BesideBox out{};

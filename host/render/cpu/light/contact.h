@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What virtual objects hide of the ambient light, and send instead, a register of points at a time
-// (contact_shade.h).
+// Ambient light that virtual objects hide, and light that they send instead, for a register of
+// points at a time (contact_shade.h).
 #pragma once
 
 #include "host/render/cpu/light/visibility.h"
@@ -8,17 +8,17 @@
 namespace mixrig::render::cpu {
 
 struct ContactLanes {
-  FloatLanes open{};   ///< share of the ambient light that is left
-  VectorLanes sent{};  ///< red, green, blue, as LightParams::ambient
+  FloatLanes open{};   ///< remaining share of the ambient light
+  VectorLanes sent{};  ///< red, green, blue in units of LightParams::ambient
 };
 
 enum class Receiver { kReal, kObject };
 
-/// Of points in camera axes with unit normals. Points of an object are lifted off it.
+/// Contact light at points in camera axes with unit normals. Points of an object are lifted off it.
 ContactLanes contact_at(const FrameParams& frame, const VectorLanes& position_m,
                         const VectorLanes& normal, Receiver receiver);
 
-/// Whether an object may hide ambient light from any point within; false is sure.
+/// Whether an object may hide ambient light from any point inside; false is certain.
 bool may_be_near(const FrameParams& frame, const Corners& corners);
 
 }  // namespace mixrig::render::cpu

@@ -24,7 +24,7 @@ VectorLanes unit(const VectorLanes& v) { return (1 / length(v)) * v; }
 
 FloatLanes power5(FloatLanes f) { return f * f * (f * f) * f; }
 
-/// Ambient light from a direction (camera axes), its bands weakened.
+/// Ambient light from a direction (camera axes), with its bands scaled.
 VectorLanes ambient_from(const LightParams& light, const VectorLanes& direction, FloatLanes band1,
                          FloatLanes band2) {
   if (!light.by_direction) {
@@ -83,7 +83,8 @@ void add_ambient(const LightParams& light, const VectorLanes& normal, ShadingLan
 }
 
 void add_ambient_gloss(const LightParams& light, const GlossLanes& gloss, ShadingLanes& sum) {
-  // Rougher surfaces see more of the room around the mirrored ray, as diffuse ones at alpha 1.
+  // Rougher surfaces blur the ambient light around the mirrored ray; at alpha 1 as much as diffuse
+  // ones.
   const VectorLanes seen =
       ambient_from(light, gloss.mirrored, 1 + (kDiffuseBand1 - 1) * gloss.alpha,
                    1 + (kDiffuseBand2 - 1) * gloss.alpha);

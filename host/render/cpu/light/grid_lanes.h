@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places in a grid of values, a register of points at a time.
+// Interpolates a grid of values at a register of points at a time.
 #pragma once
 
 #include "host/render/contract/passes.h"
@@ -7,10 +7,10 @@
 
 namespace mixrig::render::cpu {
 
-/// Points in the cells of a grid, [z][y][x]; those outside are moved to its border.
+/// Points in the cells of a grid, [z][y][x]; points outside are moved to its border.
 class GridLanes {
  public:
-  /// `p`: camera axes, finite.
+  /// `p`: finite points in camera axes.
   GridLanes(const RoomShadeParams& grid, const VectorLanes& p)
       : cells_(grid.cells),
         x_(cell(grid, 0, p)),
@@ -18,15 +18,16 @@ class GridLanes {
         z_(cell(grid, 2, p)),
         first_(x_.first + y_.first * cells_.x + z_.first * (cells_.x * cells_.y)) {}
 
+  /// Whether each point lies inside the grid.
   IntLanes inside() const { return x_.inside & y_.inside & z_.inside; }
-  /// Trilinear.
+  /// Trilinear interpolation of the grid's values.
   FloatLanes read(const float* values) const {
     const FloatLanes a = along_y(values, 0), b = along_y(values, cells_.x * cells_.y);
     return a + (b - a) * z_.share;
   }
 
  private:
-  /// Cell below a place along an axis, and the way on to the next one.
+  /// Cell below a coordinate, and the fraction of the way to the next cell.
   struct Axis {
     IntLanes first, inside;
     FloatLanes share;

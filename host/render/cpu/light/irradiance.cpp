@@ -14,21 +14,21 @@ namespace {
 
 constexpr float kFaintestLight = 1e-12F;
 
-/// Irradiance by an unhidden lamp of intensity 1, as CONVENTIONS.md has it.
+/// Irradiance by a lamp of intensity 1 that nothing hides, as CONVENTIONS.md defines it.
 FloatLanes irradiance(const LampParams& lamp, const SurfaceLanes& at) {
   const FloatLanes x = lamp.position_m.x - at.position_m.x, y = lamp.position_m.y - at.position_m.y,
                    z = lamp.position_m.z - at.position_m.z;
   const FloatLanes distance2 = max(x * x + y * y + z * z, FloatLanes{} + kLeastDistance2);
   const FloatLanes receiver =
       max(at.normal.x * x + at.normal.y * y + at.normal.z * z, FloatLanes{});
-  // Both cosines lack a division by the distance.
+  // Both cosines still lack a division by the distance.
   const glm::vec3 d = lamp.direction;
   const FloatLanes emitter =
       d == glm::vec3(0) ? sqrt(distance2) : max(-(x * d.x + y * d.y + z * d.z), FloatLanes{});
   return receiver * emitter / (distance2 * distance2);
 }
 
-/// Share of a lamp that is seen past the real room: RoomShade, trilinear.
+/// Share of a lamp that is visible past the real room, by RoomShade, trilinear.
 FloatLanes share_in_room(const FrameParams& frame, const LampParams& lamp, const SurfaceLanes& at) {
   if (lamp.room_layer < 0) return FloatLanes{} + 1.0F;
   const RoomShadeParams& room = frame.room;
@@ -41,7 +41,8 @@ FloatLanes share_in_room(const FrameParams& frame, const LampParams& lamp, const
                      static_cast<std::ptrdiff_t>(lamp.room_layer) * layer);
 }
 
-/// The same for one lamp after another: parts of a panel, which follow each other, share it.
+/// Caches share_in_room() for one lamp after another: parts of a panel follow each other and share
+/// it.
 class RoomShares {
  public:
   RoomShares(const FrameParams& frame, const SurfaceLanes& at) : frame_(frame), at_(at) {}
@@ -58,10 +59,10 @@ class RoomShares {
   FloatLanes share_ = FloatLanes{} + 1.0F;
 };
 
-/// Of real surfaces, which are in no map of objects.
+/// Normal 0, for real surfaces: they are in no map of objects.
 VectorLanes no_normal() { return {FloatLanes{}, FloatLanes{}, FloatLanes{}}; }
 
-/// What is seen of the whole lamps past people.
+/// Shares of the whole lamps that are visible past people.
 class PastPeople {
  public:
   PastPeople(const PeopleMaps& people, const SurfaceLanes& at)
@@ -79,7 +80,7 @@ class PastPeople {
   bool hides_;
 };
 
-/// Luminance of a lamp of the real scene without the virtual objects.
+/// Luminance of a lamp on the real scene, without the virtual objects.
 FloatLanes real_light(const LampParams& lamp, const PastPeople* past, const SurfaceLanes& at,
                       RoomShares& room) {
   FloatLanes light = lamp_light(lamp, at);
@@ -88,7 +89,7 @@ FloatLanes real_light(const LampParams& lamp, const PastPeople* past, const Surf
   return past != nullptr ? light * past->of(lamp) : light;
 }
 
-/// What the objects take of the ambient light of the real scene, luminance.
+/// Luminance that the objects take of the real scene's ambient light.
 FloatLanes lost_ambient(const FrameParams& frame, const SurfaceLanes& at) {
   const ContactLanes contact = contact_at(frame, at.position_m, at.normal, Receiver::kReal);
   return luminance(frame.light.ambient) * (1 - contact.open) -
@@ -96,7 +97,7 @@ FloatLanes lost_ambient(const FrameParams& frame, const SurfaceLanes& at) {
           kRec709Blue * contact.sent.z);
 }
 
-/// As light_ratio(); null: nobody hides a lamp.
+/// light_ratio() past people; null: people hide no lamp.
 FloatLanes ratio_past(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
                       bool near, const SurfaceLanes& at, const PastPeople* people) {
   const FloatLanes one = FloatLanes{} + 1.0F;
@@ -166,7 +167,7 @@ FloatLanes room_share(const FrameParams& frame, const LampParams& lamp, const Su
 
 namespace {
 
-/// Ambient light past the objects, on these.
+/// Adds the ambient light on surfaces of objects, past the objects.
 void add_ambient_past_objects(const FrameParams& frame, const SurfaceLanes& at,
                               const std::optional<GlossLanes>& gloss, ShadingLanes& sum) {
   add_ambient(frame.light, at.normal, sum);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sets of lamps, by their number.
+// Sets of lamps, by index.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace mixrig::render::cpu {
 
-/// Lamps that may be hidden, by bit; those without a bit of their own always may.
+/// Lamps that may be hidden, one bit a lamp; lamps beyond kLampBits always may be.
 using LampSet = std::uint64_t;
 inline constexpr std::size_t kLampBits = 64;
 inline bool holds(LampSet set, std::size_t lamp) {

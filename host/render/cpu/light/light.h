@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: how much light real surfaces keep next to the virtual objects, and the shading of
-// these.
+// Pass light: how much light real surfaces keep beside the virtual objects, and the shading of the
+// objects.
 #pragma once
 
 #include <cstdint>
@@ -15,24 +15,24 @@
 
 namespace mixrig::render::cpu {
 
-/// What is known of a tile of the background until the pose changes; where people cast shadows.
+/// What is known of a background tile until the pose changes; used if people cast shadows.
 struct BackgroundTile {
-  bool seen = false;       ///< the next three are set
-  bool in_shadow = false;  ///< of an object, somewhere
+  bool seen = false;       ///< the next three members are set
+  bool in_shadow = false;  ///< an object shades some of it
   float near_m = 0, far_m = 0;
-  bool has_corners = false;  ///< the next one is, and its row of LightLayer::corners
-  std::uint32_t flat = 0;    ///< a bit a cell
+  bool has_corners = false;  ///< `flat` and the tile's row of LightLayer::corners are set
+  std::uint32_t flat = 0;    ///< one bit a cell
 };
 
-/// Light maps, 65535 = 1, and memory of the pass.
+/// Light maps, 65535 = 1, and working memory of the pass.
 struct LightLayer {
   LightLayer() = default;
   explicit LightLayer(Size view_size);
-  Image<std::uint16_t> background;  ///< of the empty room: stays while the pose stays
-  Image<std::uint16_t> visible;     ///< of what the plate shows
-  Image<float> tile_w, tile_light;  ///< of people's tiles; w 0: no people
+  Image<std::uint16_t> background;  ///< of the empty room; kept while the pose stays
+  Image<std::uint16_t> visible;     ///< of the surfaces that the plate shows
+  Image<float> tile_w, tile_light;  ///< of people, one value a tile; w 0: no people
   std::vector<BackgroundTile> room_tiles;
-  RoomFor<float> corners;  ///< of each tile: CornerLights
+  RoomFor<float> corners;  ///< one row a tile: CornerLights
 };
 
 /// Inputs of the pass.
@@ -41,30 +41,30 @@ struct LightInput {
   const Tables& tables;
   const BackgroundView& background;
   const std::vector<ShadowMap>& maps;
-  const MovingBackground* moving =
-      nullptr;  ///< gives the normals of `background`; null: the tables
+  /// Draws the normals of `background`; null: those of the tables.
+  const MovingBackground* moving = nullptr;
   const PeopleShadow* people = nullptr;
 };
 
-/// Whether any object takes light from others; without, the light map is 1 everywhere.
+/// Whether any object affects the light of others; if not, the light map is 1 everywhere.
 bool has_shadows(const FrameParams& frame);
 
-/// Light of the background. After a change of pose.
+/// Computes the light of the background; call it after a change of pose.
 void light_background(Crew& crew, const LightInput& input, LightLayer& light);
-/// Turns the layer's albedo into shaded colour. After draw_virtual.
+/// Turns the layer's albedo into shaded colour; call it after draw_virtual().
 void shade_virtual(Crew& crew, const LightInput& input, VirtualLayer& layer);
-/// Shades again where people of this frame or of the last one hide a lamp; false: nowhere. After
-/// shade_virtual.
+/// Shades again where people of this or the last frame hide a lamp; returns false if they do
+/// nowhere. Call it after shade_virtual().
 bool shade_behind_people(Crew& crew, const LightInput& input, VirtualLayer& layer);
-/// Makes the layers keep what shade_behind_people and light_visible_background need.
+/// Allocates what shade_behind_people() and light_visible_background() need.
 void size_for_people(const FrameParams& frame, Size view_size, VirtualLayer& layer);
 void size_for_people(const FrameParams& frame, Size view_size, LightLayer& light);
-/// Light of the background in this frame: where `people` hide a lamp from an object's shadow the
-/// plate is dark already. After light_background.
+/// Computes the light of the background in this frame: where people hide a lamp from an object's
+/// shadow, the plate is dark already. Call it after light_background().
 void light_visible_background(Crew& crew, const LightInput& input, LightLayer& light);
-/// Light of the visible surfaces, people's mixed with the background's by `matte`. That of people,
-/// where it is at least half, with depth `view_w`, is found once in a tile (no ToF camera sees
-/// finer) and interpolated. After light_visible_background.
+/// Computes the light of the visible surfaces, mixing people's and the background's by `matte`.
+/// People's light, where the matte is at least half, is computed once a tile at depth `view_w` (no
+/// ToF camera resolves finer) and interpolated. Call it after light_visible_background().
 void light_people(Crew& crew, const LightInput& input, const Image<float>& view_w,
                   const Image<std::uint8_t>& matte, LightLayer& light);
 

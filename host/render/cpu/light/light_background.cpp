@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: how much light the empty room keeps, and the room past people.
+// Pass light: light of the empty room, and of the room past people.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -18,14 +18,14 @@ namespace {
 /// Tiles of a row that are tested together for shadows at first.
 constexpr int kTilesTogether = 8;
 
-/// Depths that light falls on.
+/// Depth of the background as used for light.
 ImageView<const float> lit_depth_m(const LightInput& input) {
   if (input.moving) return input.moving->light_depth_m();
   return input.tables.light_depth_m.empty() ? input.background.depth_m
                                             : input.tables.light_depth_m.view();
 }
 
-/// As ray_of.
+/// Rays of kLanes pixels from (x, y) on, as ray_of().
 VectorLanes rays_of(const PinholeParams& view, int x, int y) {
   const FloatLanes u = lane_numbers() + static_cast<float>(x);
   return {(u - view.center_px.x) / view.focal_px.x,
@@ -33,8 +33,8 @@ VectorLanes rays_of(const PinholeParams& view, int x, int y) {
           FloatLanes{} + 1.0F};
 }
 
-/// A row of a tile, from out[0] on; precondition: at least one pixel. What `people` hide nothing of
-/// stays as it is.
+/// Computes light of a tile's row of at least one pixel, into out[0] and on. Pixels of which
+/// `people` hide nothing keep their value.
 void light_row(const LightInput& input, const Doubt& doubt, int y, int x0, int x1,
                std::uint16_t* out, const PeopleMaps* people = nullptr) {
   const float* depth_m = lit_depth_m(input).row(y);
@@ -56,11 +56,11 @@ void light_row(const LightInput& input, const Doubt& doubt, int y, int x0, int x
   }
 }
 
-/// Least and largest depth of a rectangle, 0 where none is known.
+/// Least and largest depth of a rectangle; 0 if none is known.
 using DepthRange = std::pair<float, float>;
 
-/// What objects may hide from the background in a rectangle. `among`: the same of a larger one that
-/// holds it.
+/// What objects may hide from the background in a rectangle. `among`: the result for a larger
+/// rectangle around it.
 Doubt doubt_of(const LightInput& input, const Rect& rect, const DepthRange& depth_m,
                const Doubt& among = {}) {
   if (!(depth_m.second > 0)) return {0, false};
@@ -74,7 +74,7 @@ bool is_sure(const LightInput& input, const Doubt& doubt) {
   return doubt.lamps == 0 && !doubt.near && input.maps.size() <= kLampBits;
 }
 
-/// `among`: what is in doubt around it.
+/// Computes the light of a tile. `among`: what is in doubt around it.
 void light_tile(const LightInput& input, const Doubt& among, const Rect& rect,
                 const DepthRange& depth_m, Image<std::uint16_t>& light) {
   if (!(depth_m.second > 0)) return;
@@ -90,7 +90,7 @@ void light_tile(const LightInput& input, const Doubt& among, const Rect& rect,
     light_row(input, doubt, y, rect.x0, rect.x1, light.row(y) + rect.x0);
 }
 
-/// A row of tiles from (x0, y0) on: what they show together first.
+/// Computes a row of tiles, testing what they all show first.
 void light_tiles(const LightInput& input, const Rect& rect, Image<std::uint16_t>& light) {
   for (int y = rect.y0; y < rect.y1; ++y)
     std::fill(light.row(y) + rect.x0, light.row(y) + rect.x1, kLit);
@@ -114,7 +114,7 @@ void light_tiles(const LightInput& input, const Rect& rect, Image<std::uint16_t>
     light_tile(input, doubt, tile(i), depth_m[static_cast<std::size_t>(i)], light);
 }
 
-/// What of a tile does not depend on people.
+/// Finds what does not depend on people in a tile.
 void look_at(const LightInput& input, const Rect& rect, const LightLayer& light,
              BackgroundTile& tile) {
   tile = {.seen = true};
@@ -124,7 +124,7 @@ void look_at(const LightInput& input, const Rect& rect, const LightLayer& light,
   std::tie(tile.near_m, tile.far_m) = positive_range(lit_depth_m(input), rect);
 }
 
-/// A tile of the background that an object shades, past people; `number`: of it.
+/// Computes, past people, the light of background tile `number`, which an object shades.
 void light_tile_past_people(const LightInput& input, const Rect& rect, std::size_t number,
                             LightLayer& light) {
   BackgroundTile& tile = light.room_tiles[number];

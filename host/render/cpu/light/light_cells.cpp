@@ -15,11 +15,11 @@ FloatLanes left_of(FloatLanes lost) {
   return lost > 0 ? max(1 - lost, FloatLanes{}) : one;
 }
 
-/// What objects take of the light at the corners, over all of it.
+/// Shares of all light at the corners of a tile's cells.
 struct CornerLight {
-  CornerValues ratio;                               ///< what is left
+  CornerValues ratio;                               ///< light that is left
   CornerValues ambient;                             ///< taken of the ambient light
-  std::array<CornerValues, kMostLamps> part, lost;  ///< of lamps in doubt: LightShares
+  std::array<CornerValues, kMostLamps> part, lost;  ///< of lamps in doubt, as in LightShares
 };
 
 void find_light(const LightInput& input, const Doubt& doubt, const BackgroundCorners& corners,
@@ -38,7 +38,7 @@ void find_light(const LightInput& input, const Doubt& doubt, const BackgroundCor
   }
 }
 
-/// Each pixel of cells by itself; the normals of a row of cells are read once.
+/// Computes cells pixel by pixel; reads the normals of a row of cells once.
 class ExactCells {
  public:
   ExactCells(const LightInput& input, const Doubt& doubt, ImageView<const float> depth_m)
@@ -85,8 +85,8 @@ void ExactCells::light(const Rect& tile, int column, int row, Image<std::uint16_
   }
 }
 
-/// Lamps in doubt that change too much over a cell to be taken from its corners: the others change
-/// by kMostChange together.
+/// Lamps in doubt that change too much over a cell to be interpolated: the remaining ones change by
+/// at most kMostChange together.
 LampSet lamps_to_find(const CornerLight& light, LampSet maybe, std::size_t count, const CellOf& c) {
   LampChanges changes;
   for (std::size_t k = 0; k < count; ++k)
@@ -94,7 +94,7 @@ LampSet lamps_to_find(const CornerLight& light, LampSet maybe, std::size_t count
   return changes.too_large(change_over(light.ambient, c));
 }
 
-/// A flat cell over which `lamps` change much.
+/// Computes a flat cell over which `lamps` change much.
 void light_flat_cell(const LightInput& input, LampSet maybe, LampSet lamps,
                      const CornerLight& corners, ImageView<const float> depth_m, const Rect& rect,
                      const CellOf& c, Image<std::uint16_t>& light) {
@@ -154,7 +154,7 @@ bool blur_allows_cells(const PinholeParams& view, const std::vector<LampParams>&
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const LampParams& lamp = lamps[k];
     if (!holds(maybe, k) || maps[k].empty()) continue;
-    // Casters are searched within so much of a surface (docs/method/compositor.md, "Light").
+    // Radius on the surface within which casters are searched (docs/method/compositor.md, light).
     const float depth_m = transform(lamp.lamp_from_camera, at_m).z;
     if (!(lamp.radius_m * (depth_m / lamp.casters_near_m - 1) >= cell_m)) return false;
   }
@@ -173,7 +173,7 @@ void light_in_cells(const LightInput& input, const Doubt& doubt, ImageView<const
   CornerLight found;
   find_light(input, doubt, corners, found);
   ExactCells exact(input, doubt, depth_m);
-  // Panels have parts where light is found once, and may take longer.
+  // Panels are split into parts where light is computed once and may take longer.
   const std::vector<LampParams>& lamps = input.frame.lamps;
   const bool once =
       std::any_of(lamps.begin(), lamps.end(), [](auto& lamp) { return lamp.is_part; });

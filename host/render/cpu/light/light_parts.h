@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: what its files share.
+// Pass light: helpers shared by its files.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace mixrig::render::cpu {
 
-/// Pixels that are tested together for shadows. A register divides the width.
+/// Size of a tile, whose pixels are tested together for shadows. A register divides the width.
 inline constexpr int kLitTileWidth = 32, kLitTileHeight = 16;
 inline constexpr std::uint16_t kLit = 65535;
 
@@ -40,7 +40,7 @@ inline VectorLanes unpack(IntLanes packed, const VectorLanes& ray) {
   return {n.x * scale, n.y * scale, n.z * scale};
 }
 
-/// Whether none of as many pixels as a Word has bytes shows a person.
+/// Whether none of sizeof(Word) pixels shows a person.
 template <typename Word>
 bool no_people(const std::uint8_t* matte) {
   static_assert(kPersonByte == 128);
@@ -48,29 +48,29 @@ bool no_people(const std::uint8_t* matte) {
   return (load<Word>(matte) & kHighBits) == 0;
 }
 
-/// Normals of the background from (x0, y) on, of every `step`-th pixel of the row.
+/// Writes normals of the background in row y: every `step`-th pixel from x0 on.
 void background_normals(const LightInput& input, int x0, int y, std::span<PackedNormal> out,
                         int step);
 
-/// Least and largest positive value of a rectangle; 0, 0 where none is.
+/// Least and largest positive value in a rectangle; (0, 0) if there is none.
 std::pair<float, float> positive_range(ImageView<const float> image, const Rect& rect);
 
-/// What the rectangle's pixels show between two depths.
+/// Corners of the space that a rectangle of pixels sees between two depths.
 Corners corners_of(const PinholeParams& view, const Rect& rect, float near_m, float far_m);
 
 /// Whether the layer keeps its shading without people.
 inline bool keeps_alone(const VirtualLayer& layer) { return !layer.alone.in_shadow.empty(); }
-/// Makes room for it in the layer's rectangle, where nobody shades anything yet.
+/// Allocates that memory for the layer's rectangle, with no shadows of people yet.
 void begin_alone(VirtualLayer& layer);
 
-/// What objects may hide.
+/// What objects may hide from a tile.
 struct Doubt {
   LampSet lamps = kAllLamps;
-  bool near = true;  ///< ambient light
+  bool near = true;  ///< ambient light too
 };
 
-/// Lamps that may be hidden from anything that the rectangle's pixels show between two depths.
-/// `among`: those in doubt for a larger rectangle.
+/// Lamps that objects may hide from anything that the rectangle's pixels see between two depths.
+/// `among`: the lamps in doubt for a larger rectangle.
 LampSet lamps_in_doubt(const PinholeParams& view, const std::vector<LampParams>& lamps,
                        const std::vector<ShadowMap>& maps, const Rect& rect, float near_m,
                        float far_m, LampSet among = kAllLamps);

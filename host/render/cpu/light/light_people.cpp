@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: the light of people over that of the room.
+// Pass light: computes the light of people and mixes it with that of the room.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -33,7 +33,7 @@ float mean_w(const Image<float>& view_w, const Image<std::uint8_t>& matte, int t
   return count > 0 ? sum / count : 0;
 }
 
-/// A person's normal from the slope of w between tiles; towards the camera where it is not known.
+/// A person's normal from the slope of w between tiles; towards the camera if unknown.
 glm::vec3 person_normal(const PinholeParams& view, const Image<float>& tile_w, int x, int y,
                         int reach, const glm::vec3& ray) {
   const auto w_at = [&](int i, int j) {
@@ -49,7 +49,7 @@ glm::vec3 person_normal(const PinholeParams& view, const Image<float>& tile_w, i
   return -glm::normalize(glm::vec3(a, b, w_at(x, y) - a * ray.x - b * ray.y));
 }
 
-/// Light of a row of people's tiles.
+/// Computes the light of a row of people's tiles.
 void light_tiles_of_people(const LightInput& input, int y, LightLayer& light) {
   const PinholeParams& view = input.tables.warp.view;
   const int reach = normal_reach_tiles(input.tables.tof_footprint_px);
@@ -76,7 +76,7 @@ void light_tiles_of_people(const LightInput& input, int y, LightLayer& light) {
   if (count > 0) find();
 }
 
-/// Bilinear over the tiles that hold people; 1 where none does.
+/// Bilinear over the tiles that contain people; 1 if none does.
 float tile_light_at(const LightLayer& light, int x, int y) {
   const float u = (static_cast<float>(x) - tile_center(0)) / kLightTilePx;
   const float v = (static_cast<float>(y) - tile_center(0)) / kLightTilePx;

@@ -8,25 +8,26 @@
 namespace mixrig::render::cpu {
 namespace {
 
-/// Of all light: where less is lost of the lamps at the corners, what people leave of them on the
-/// whole counts too.
+/// Share of all light added to what objects hide of the lamps: where they hide less, the ratio past
+/// people tends to what people leave of the lamps altogether.
 constexpr float kFaintShadow = 0.02F;
-/// Of the share of a lamp over a cell: people's penumbrae are wide, and bend little within it.
+/// Largest change of a lamp's share over a cell that is interpolated: people's penumbrae are wide
+/// and bend little within it.
 constexpr float kMostPeopleChange = 0.25F;
-/// Of all light: less than this has no share that people hide.
+/// Least share of all light at which people's hidden part is computed.
 constexpr float kLeastLight = 1e-6F;
-/// Of the depth: corners whose depths differ by no more show the surface of a pixel; what others
-/// count, of one.
+/// Corners whose relative depth differs from a pixel's by at most kOneSurface show its surface;
+/// others count with kOtherWeight.
 constexpr float kOneSurface = 0.02F, kOtherWeight = 1e-3F;
 
 unsigned cell_bit(int column, int row) { return 1U << (row * kCellsAcross + column); }
 
-/// What objects take of the light at the corners.
+/// Shares of all light that objects take at the corners.
 struct LostCorners {
   CornerValues ambient, lamps, past_people, by_people;
 };
 
-/// LampShares at a tile's corners, in a row of LightLayer::corners.
+/// LampShares at a tile's corners, stored in a row of LightLayer::corners.
 class CornerLights {
  public:
   explicit CornerLights(float* kept) : kept_(kept) {}
@@ -59,14 +60,14 @@ void find_kept(const LightInput& input, const Doubt& doubt, const BackgroundCorn
   });
 }
 
-/// Sums over the lamps, each with what people leave of it.
+/// Sums over the lamps, weighted by what people leave of each.
 struct LampSums {
   FloatLanes by_people{}, of_lamps{}, hidden{}, hidden_past{};
   void add(FloatLanes light, FloatLanes hidden_of_it, FloatLanes seen) {
     of_lamps += light, by_people += light * (1 - seen);
     hidden += hidden_of_it, hidden_past += hidden_of_it * seen;
   }
-  /// What objects hide of the lamps, and that past people; never 0.
+  /// What objects hide of the lamps, and what they hide past people; never 0.
   FloatLanes lamps() const { return hidden + kFaintShadow; }
   FloatLanes past_people() const {
     const FloatLanes least = FloatLanes{} + kLeastLight;
@@ -91,7 +92,7 @@ LostCorners lost_corners(const PeopleCells& people, const CornerLights& kept) {
   return out;
 }
 
-/// A flat cell: `background` without people.
+/// Computes a flat cell; `background`: its light without people.
 void light_flat_past_people(const LostCorners& lost, const CellOf& c, const Rect& rect,
                             const Image<std::uint16_t>& background, Image<std::uint16_t>& out) {
   const auto each = [&](const CornerValues& v, std::array<float, kCellPx * kCellPx>& to) {
@@ -111,14 +112,14 @@ void light_flat_past_people(const LostCorners& lost, const CellOf& c, const Rect
   }
 }
 
-/// The corners of a cell as its pixels see them.
+/// Light of a cell's corners, for its pixels.
 struct CellCorners {
   CornerLights light;
   const CornerValues& depth_m;
   CellOf cell;
 };
 
-/// By how much each corner counts for pixels: as between them, of those of another surface little.
+/// Weights of the corners for pixels: bilinear, but small for corners of another surface.
 std::array<FloatLanes, 4> corner_weights(const CellCorners& corners, FloatLanes across,
                                          FloatLanes down, FloatLanes depth) {
   const auto [a, b, c, d] = corners.cell;
@@ -135,8 +136,8 @@ std::array<FloatLanes, 4> corner_weights(const CellCorners& corners, FloatLanes 
   return weights;
 }
 
-/// A cell that is not flat, or over which people's shadow changes much: pixels see the lamps past
-/// people by themselves, and have the lamps' light from the corners that are as far away as they.
+/// Computes a cell that is not flat, or over which people's shadow changes much: each pixel
+/// evaluates the lamps past people, and interpolates the lamps' light from corners at its depth.
 void light_pixels_past_people(const LightInput& input, const PeopleMaps& people,
                               const CellCorners& corners, ImageView<const float> depth_m,
                               const Rect& rect, LightLayer& light) {

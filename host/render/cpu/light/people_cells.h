@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: what people hide of the lamps at the corners of cells of 8x8 pixels. Over a cell of
-// one smooth surface pixels take what lies between.
+// Pass light: what people hide of the lamps at the corners of cells of 8x8 pixels, interpolated
+// over cells of one smooth surface.
 #pragma once
 
 #include <span>
@@ -12,16 +12,18 @@ namespace mixrig::render::cpu {
 /// Shares of the lamps that the corners of a tile's cells see past people.
 class PeopleCells {
  public:
-  /// `at`: the corners. Preconditions: blur_allows_cells(); at most kMostLamps maps.
+  /// `at`: surface points of the corners. Preconditions: blur_allows_cells(); at most kMostLamps
+  /// maps.
   PeopleCells(const PeopleMaps& people, std::span<const SurfaceLanes> at);
   bool hide_any() const { return hide_any_; }
-  /// Whether people hide any of a lamp from a corner of the cell.
+  /// Whether people hide part of any lamp from a corner of the cell.
   bool hide(const CellOf& c) const;
-  /// Whether what they hide of one changes too much over the cell to be taken from its corners.
+  /// Whether the hidden part of some lamp changes too much over the cell to be interpolated.
   bool change(const CellOf& c) const;
-  /// Of all whole lamps, as many as there are maps; 1 of those that no person may hide.
+  /// Visible shares of all whole lamps, as many as there are maps; 1 for lamps that no person may
+  /// hide.
   std::span<const CornerValues> seen() const { return std::span(seen_).first(count_); }
-  /// The same of the corners of register `i`.
+  /// Writes those shares for the corners of register `i`.
   void seen_of_register(std::size_t i, std::span<FloatLanes> out) const;
 
  private:
@@ -31,18 +33,18 @@ class PeopleCells {
   std::array<CornerValues, kMostLamps> seen_;
 };
 
-/// Floats of a row of LightLayer::corners, for so many whole lamps.
+/// Floats in a row of LightLayer::corners for `lamps` whole lamps.
 std::size_t corner_floats(std::size_t lamps);
 
-/// Whether what people hide of the lamps in doubt may be taken from corners of cells: from lamps
-/// that are wide beside a cell, or where blur_allows_cells().
+/// Whether people's shadows of the lamps in doubt may be interpolated between corners of cells:
+/// each lamp is wide compared with a cell, or blur_allows_cells() holds.
 bool people_allow_cells(const PinholeParams& view, const PeopleMaps& people, const Rect& tile,
                         float near_m, float far_m);
 
-/// Light of a whole tile of the background that objects shade, past people: the place of a shadow
-/// within a cell is that of the light without people, `light.background`. `known` and `kept`: of
-/// the tile, found in the first frame in which people hide anything of it. Preconditions:
-/// people_allow_cells(); at most kMostLamps maps.
+/// Computes, past people, the light of a whole background tile that objects shade. Within a cell
+/// the shadow keeps the place that it has without people, in `light.background`. `known` and `kept`
+/// belong to the tile and are filled in the first frame in which people hide any of its light.
+/// Preconditions: people_allow_cells(); at most kMostLamps maps.
 void light_cells_past_people(const LightInput& input, const Doubt& doubt, const PeopleMaps& people,
                              ImageView<const float> depth_m, const Rect& tile,
                              BackgroundTile& known, float* kept, LightLayer& light);

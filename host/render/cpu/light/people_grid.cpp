@@ -8,14 +8,14 @@
 namespace mixrig::render::cpu {
 namespace {
 
-/// Points (x, y, z) of a layer of the grid, row by row, in camera axes.
+/// Iterates over the points (x, y, z) of a layer of the grid, row by row, in camera axes.
 class LayerPoints {
  public:
   LayerPoints(const RoomShadeParams& at, int z)
       : camera_from_cell_(glm::inverse(at.cell_from_camera)),
         columns_(at.cells.x),
         row_m_(camera_from_cell_ * glm::vec4(0, 0, static_cast<float>(z), 1)) {}
-  /// The next register of them.
+  /// The next register of points.
   VectorLanes next() {
     VectorLanes p{};
     for (int i = 0; i < kLanes; ++i) {

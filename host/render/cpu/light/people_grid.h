@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What people hide of wide lamps around the objects, at the points of a grid: what lies between
-// them is interpolated, since no penumbra there is narrower than a cell by much.
+// What people hide of wide lamps around the objects, at points of a grid and interpolated between
+// them: no penumbra there is much narrower than a cell.
 #pragma once
 
 #include <span>
@@ -13,14 +13,14 @@
 
 namespace mixrig::render::cpu {
 
-/// Radius of the least disc, in cells, that a lamp has whose penumbrae of people are told from the
+/// Least radius of a lamp's disc, in cells, at which people's penumbrae may be interpolated between
 /// corners of cells.
 inline constexpr float kWideInCells = 2;
 
 struct PeopleGrid {
-  RoomShadeParams at;        ///< where its points lie
-  LampSet lamps = 0;         ///< that it knows in this frame
-  std::vector<float> share;  ///< of each lamp that a point sees past people: [lamp][z][y][x]
+  RoomShadeParams at;        ///< place of the grid
+  LampSet lamps = 0;         ///< lamps that the grid holds in this frame
+  std::vector<float> share;  ///< share of each lamp that a point sees past people: [lamp][z][y][x]
   std::size_t points() const {
     return static_cast<std::size_t>(at.cells.x) * static_cast<std::size_t>(at.cells.y) *
            static_cast<std::size_t>(at.cells.z);
@@ -28,8 +28,8 @@ struct PeopleGrid {
   const float* of(std::size_t lamp) const { return share.data() + lamp * points(); }
 };
 
-/// Looks from each point of the grid at those `lamps` among `wanted` that are wide enough for its
-/// cells, past `maps`. Allocates in the first frame only.
+/// Computes the grid for those `lamps` in `wanted` that are wide enough for its cells, by `maps`.
+/// Allocates in the first frame only.
 void find_people_grid(Crew& crew, const RoomShadeParams& at, std::span<const LampParams> lamps,
                       std::span<const ShadowMap> maps, LampSet wanted, PeopleGrid& grid);
 

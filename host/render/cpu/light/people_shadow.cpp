@@ -10,15 +10,16 @@
 namespace mixrig::render::cpu {
 namespace {
 
-/// Where nobody is, farther than every body.
+/// Depth of blocks without people, farther than anybody.
 constexpr float kNobodyM = 1e9F;
-/// The disc of a ball within another one may reach out of that one's: perspective.
+/// Factor on a ball's radius: by perspective, the disc of a ball inside another one may reach out
+/// of that one's disc.
 constexpr float kDiscSlack = 1.25F;
-/// Nobody is looked for nearer to a lamp.
+/// People nearer to a lamp are ignored.
 constexpr float kNearestToLampM = 0.01F;
 
-/// Depth of a block's people, the inverse of their mean w; kNobodyM where they fill less than half
-/// of it.
+/// Depth of a block's people, the inverse of their mean w; kNobodyM if they fill less than half of
+/// it.
 float people_m(const Image<float>& view_w, const Image<std::uint8_t>& matte, int bx, int by) {
   static_assert(kBlockPx == sizeof(std::uint64_t));
   const int x0 = bx * kBlockPx, y0 = by * kBlockPx;
@@ -39,11 +40,13 @@ float people_m(const Image<float>& view_w, const Image<std::uint8_t>& matte, int
 }
 
 struct Surroundings {
-  float blocks_to_silhouette = 0;  ///< to the nearest block of another surface, less half of one
-  float behind_m = 0;              ///< the nearest part of the body around, no limb before it
+  /// Distance to the nearest block of another surface, less half a block.
+  float blocks_to_silhouette = 0;
+  /// How far the nearest part of the same body lies before it; parts nearer by more are limbs.
+  float behind_m = 0;
 };
 
-/// Of the middle of (bx, by); a person goes on past the border of the view.
+/// Surroundings of the middle of block (bx, by). Beyond the border of the view a person continues.
 Surroundings surroundings(const Image<float>& z_m, int bx, int by, int reach) {
   const float own_m = z_m.row(by)[bx];
   const int x0 = std::max(0, bx - reach), x1 = std::min(z_m.width() - 1, bx + reach);
@@ -63,7 +66,7 @@ Surroundings surroundings(const Image<float>& z_m, int bx, int by, int reach) {
   return {std::sqrt(nearest2) - 0.5F, behind_m};
 }
 
-/// A ball in a lamp's map: a disc at the depth of its centre.
+/// Disc of a ball in a lamp's map, at the depth of its centre.
 struct Disc {
   float u = 0, v = 0, radius = 0;  ///< texels
   float w = 0;                     ///< 1/m; 0: not drawn
@@ -80,7 +83,7 @@ Disc disc_of(const LampParams& lamp, const Ball& ball, float near_m) {
   return {u, v, radius, beside ? 0 : 1 / p.z};
 }
 
-/// Whether any lamp sees the ball before what its map is for, or another one within it.
+/// Whether some lamp's map may show the ball, or another ball within it.
 bool in_any_map(std::span<const LampParams> lamps, Ball ball) {
   ball.radius_m *= kDiscSlack;
   return std::any_of(lamps.begin(), lamps.end(), [&](const LampParams& lamp) {
@@ -111,12 +114,12 @@ Ball ball_at(std::span<const LampParams> lamps, const Image<float>& z_m, const P
   return ball(std::max(std::min(kPeopleRadiusM - 0.5F * behind_m, blocks * block_m), least_m));
 }
 
-/// The border of a map stays empty.
+/// Clamps a texel so that the border of a map stays empty.
 int inner_texel(float texel, int size) {
   return static_cast<int>(std::clamp(texel, 1.0F, static_cast<float>(size - 1)));
 }
 
-/// Texels that the discs of all balls may touch, and the nearest of them.
+/// Texels that the discs of all balls may touch, and the largest w of the balls.
 Rect bounds_of(const LampParams& lamp, std::span<const Ball> balls, float& most_w) {
   const int size = lamp.map_size_texel;
   Rect rect{size, size, 0, 0};
@@ -132,7 +135,7 @@ Rect bounds_of(const LampParams& lamp, std::span<const Ball> balls, float& most_
   return rect.empty() ? Rect{} : rect;
 }
 
-/// Rows [y0, y1) of a disc.
+/// Draws rows [y0, y1) of a disc.
 void draw_disc(const Disc& d, int y0, int y1, Image<float>& map_w) {
   const int size = map_w.width();
   const int first = std::max(y0, inner_texel(std::ceil(d.v - d.radius), size));
@@ -166,7 +169,7 @@ void draw_map(Crew& crew, std::span<const Ball> balls, LampParams& lamp, ShadowM
       if (const Disc d = disc_of(lamp, ball, lamp.casters_near_m); d.w > 0)
         draw_disc(d, y0 + begin, y0 + end, map.w);
   });
-  // Penumbrae are looked for no farther than the nearest caster makes them.
+  // The search for casters then reaches no farther than the nearest one requires.
   lamp.casters_near_m = 1 / most_w;
   find_largest(map);
 }

@@ -11,13 +11,13 @@
 namespace mixrig::render::cpu {
 namespace {
 
-/// One of a row.
+/// Another surface and the row that it is in.
 struct OtherAt {
   OtherSurface* surface;
   int y;
 };
 
-/// Calls shade(others, at) for the other surfaces of a rectangle, a register of them at a time.
+/// Calls shade(others, at) with a register of other surfaces of a rectangle at a time.
 template <typename Shade>
 void for_each_other(const LightInput& input, const Rect& rect, const VirtualLayer& layer,
                     Shade&& shade) {
@@ -25,7 +25,8 @@ void for_each_other(const LightInput& input, const Rect& rect, const VirtualLaye
   std::array<OtherAt, kLanes> others;
   int count = 0;
   const auto flush = [&] {
-    for (int i = count; i < kLanes; ++i) at.set(i, {0, 0, 1}, glm::vec3(0));  // no lamp lights it
+    // No lamp lights a normal of 0.
+    for (int i = count; i < kLanes; ++i) at.set(i, {0, 0, 1}, glm::vec3(0));
     if (count > 0) shade(std::span(others).first(static_cast<std::size_t>(count)), at);
     count = 0;
   };

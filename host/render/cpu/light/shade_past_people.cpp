@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: virtual surfaces past people.
+// Pass light: shades virtual surfaces past people.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -13,10 +13,10 @@
 namespace mixrig::render::cpu {
 namespace {
 
-/// Exposed light of a lamp of luminance 1.
+/// Exposed colour of each lamp at luminance 1.
 using LampColors = std::array<F4, kMostLamps>;
 
-/// Lamps that people may hide from the virtual surfaces of a tile, and where these lie.
+/// Lamps that people may hide from the virtual surfaces of a tile, and the tile's extent.
 struct TileLamps {
   LampSet by_people = 0;
   float near_m = 0, far_m = 0;
@@ -34,7 +34,7 @@ TileLamps lamps_of_tile(const LightInput& input, const Rect& tile, const Image<f
 
 F4 to_f4(Rgbx16 p) { return __builtin_convertvector(std::bit_cast<U16x4>(p), F4); }
 
-/// The pixels of a tile past people.
+/// Shades the pixels of a tile past people.
 class TilePastPeople {
  public:
   TilePastPeople(const LightInput& input, const TileLamps& lamps, const LampColors& colors,
@@ -54,7 +54,7 @@ class TilePastPeople {
   void shade_places(const Rect& rect);
   void shade_anew(const Rect& rect);
   bool is_cut(const Rect& rect) const;
-  /// Without the light that people take: share(k) of lamp k is seen past them.
+  /// Removes the light that people take: share(k) is the visible share of lamp k.
   template <typename Share>
   void darken(int x, int y, Share&& share) {
     const ShadedAlone& alone = layer_.alone;
@@ -75,10 +75,10 @@ class TilePastPeople {
   PeopleMaps people_;
   Rect tile_;
   VirtualLayer& layer_;
-  std::size_t count_;  ///< of whole lamps
+  std::size_t count_;  ///< number of whole lamps
 };
 
-/// Whether a colour was cut off, so that what people take cannot be told from it.
+/// Whether a colour was clipped, so that light cannot be subtracted from it.
 bool TilePastPeople::is_cut(const Rect& rect) const {
   const auto most = static_cast<std::uint16_t>(kLinearOne);
   for (int y = rect.y0; y < rect.y1; ++y) {
@@ -89,7 +89,7 @@ bool TilePastPeople::is_cut(const Rect& rect) const {
   return false;
 }
 
-/// All light again.
+/// Shades a rectangle with all lamps again.
 void TilePastPeople::shade_anew(const Rect& rect) {
   const LampSet by_objects = lamps_in_doubt(input_.tables.warp.view, input_.frame.lamps,
                                             input_.maps, rect, lamps_.near_m, lamps_.far_m);
@@ -105,7 +105,7 @@ void TilePastPeople::shade_anew(const Rect& rect) {
       });
 }
 
-/// People are looked for at each place.
+/// Evaluates people's shadows at each place of a rectangle.
 void TilePastPeople::shade_places(const Rect& rect) {
   if (is_cut(rect)) return shade_anew(rect);
   for_each_place<Squares::kOfTwo>(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: the places of virtual surfaces that are looked at, and their colour.
+// Pass light: places of virtual surfaces at which light is evaluated, and their colour.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,8 @@ namespace mixrig::render::cpu {
 
 inline glm::vec3 lane(const VectorLanes& v, int i) { return {v.x[i], v.y[i], v.z[i]}; }
 
-/// Of albedo `base`, premultiplied by `coverage`, both of kLinearOne.
+/// Colour of a glossy surface with albedo `base`, premultiplied by `coverage`, both scaled by
+/// kLinearOne.
 inline glm::vec3 mirroring(const glm::vec3& base, float coverage, GlossBytes gloss,
                            const ShadingLanes& light, int i) {
   const float metallic = static_cast<float>(gloss.metallic) / 255;
@@ -26,15 +27,15 @@ inline glm::vec3 mirroring(const glm::vec3& base, float coverage, GlossBytes glo
          grazing * lane(light.grazing, i);
 }
 
-/// What a surface of a pixel does with light; premultiplied by its samples.
+/// Material of a surface in a pixel, premultiplied by its samples.
 struct Matter {
   Rgbx16 albedo;
-  const GlossBytes* gloss = nullptr;  ///< null where no object is glossy
-  const Rgbx16* emission = nullptr;   ///< null where none emits
+  const GlossBytes* gloss = nullptr;  ///< null if no object is glossy
+  const Rgbx16* emission = nullptr;   ///< null if no object emits
   int samples = 0;
 };
 
-/// Colour of a surface, premultiplied as it.
+/// Colour of a surface, premultiplied like its albedo.
 inline Rgbx16 shaded(const LightInput& input, const Matter& of, const ShadingLanes& light, int i) {
   glm::vec3 c(of.albedo.r, of.albedo.g, of.albedo.b);
   if (of.gloss == nullptr) {
@@ -50,7 +51,7 @@ inline Rgbx16 shaded(const LightInput& input, const Matter& of, const ShadingLan
           static_cast<std::uint16_t>(c.b), 0};
 }
 
-/// Of a pixel's nearest surface, whose albedo is `albedo`.
+/// Colour of a pixel's nearest surface, which has `albedo`.
 inline Rgbx16 shaded(const LightInput& input, const VirtualLayer& layer, int x, int y,
                      Rgbx16 albedo, const ShadingLanes& light, int i) {
   return shaded(
@@ -60,9 +61,10 @@ inline Rgbx16 shaded(const LightInput& input, const VirtualLayer& layer, int x, 
       light, i);
 }
 
-/// Whether the 2x2 pixels from (x, y) on show one smooth surface: their light is alike.
+/// Whether the 2x2 pixels from (x, y) on show one smooth surface, so that one evaluation does for
+/// all.
 inline bool is_smooth(const VirtualLayer& layer, int x, int y) {
-  constexpr float kAlike = 0.01F;  // of the inverse depth
+  constexpr float kAlike = 0.01F;  ///< relative, of the inverse depth
   const auto same = [&](int i, int j) {
     const PackedNormal a = layer.normal.row(y)[x], b = layer.normal.row(y + j)[x + i];
     const float w = layer.w.row(y)[x];
@@ -72,16 +74,16 @@ inline bool is_smooth(const VirtualLayer& layer, int x, int y) {
   return same(0, 0) && same(1, 0) && same(0, 1) && same(1, 1);
 }
 
-/// The square of pixels that one look at the lamps is for.
+/// A square of pixels that one evaluation of the lamps serves.
 struct Place {
   int x = 0, y = 0, side = 1;
 };
 
-/// Whether smooth pixels are looked at together.
+/// Whether 2x2 smooth pixels are evaluated together.
 enum class Squares { kSingle, kOfTwo };
 
-/// Calls shade(places, at) for the covered pixels of a tile that are wanted(x, y), which 2x2 of
-/// them are together, a register of places at a time.
+/// Calls shade(places, at) with a register of places at a time, for the covered pixels of a tile
+/// whose 2x2 square is wanted(x, y).
 template <Squares squares, typename Wanted, typename Shade>
 void for_each_place(const LightInput& input, const Rect& tile, const VirtualLayer& layer,
                     Wanted&& wanted, Shade&& shade) {
@@ -116,7 +118,7 @@ void for_each_place(const LightInput& input, const Rect& tile, const VirtualLaye
   flush();
 }
 
-/// Calls set(x, y, i) for the pixels of square number i.
+/// Calls set(x, y, i) for each pixel of square number i.
 template <typename Set>
 void for_each_pixel(std::span<const Place> places, Set&& set) {
   for (int i = 0; const Place& p : places) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: the shading of virtual surfaces.
+// Pass light: shades virtual surfaces.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -140,7 +140,7 @@ void shade_rect(const LightInput& input, const Rect& rect, VirtualLayer& layer,
       input, rect, layer, [&](int x, int y) { return squares.is_uneven(x, y); }, shade);
 }
 
-/// Each pixel of a rectangle by itself; `among`: lamps in doubt around it.
+/// Shades each place of a rectangle by itself; `among`: lamps in doubt around it.
 void shade_exactly(const LightInput& input, LampSet among, const Rect& rect, VirtualLayer& layer) {
   const auto [least_w, most_w] = positive_range(layer.w, rect);
   if (!(most_w > 0)) return;

@@ -21,7 +21,7 @@ void draw_casters(const FrameParams& params, std::size_t lamp, const SampleGrid&
       const auto at = [&](std::size_t k) {
         return transform(lamp_from_object, mesh.positions_m[mesh.indices[i + k]]);
       };
-      // Both faces cast: an open sheet has a shadow from either side.
+      // Both faces cast shadows, so that an open sheet casts one from either side.
       const auto triangle = set_up(at(0), at(1), at(2), grid, Facing::kBoth);
       if (!triangle) continue;
       for_each_run(*triangle, y0, y1, map_w.width() - kLanes, 0,
@@ -33,7 +33,7 @@ void draw_casters(const FrameParams& params, std::size_t lamp, const SampleGrid&
   }
 }
 
-/// Largest value of each cell.
+/// Largest value of each cell of texels.
 void reduce(const Image<float>& w, const Rect& rect, Image<float>& cells) {
   for (int y = rect.y0; y < rect.y1; ++y) {
     float* out = cells.row(y / kCellTexels);
@@ -42,7 +42,7 @@ void reduce(const Image<float>& w, const Rect& rect, Image<float>& cells) {
   }
 }
 
-/// From windows of `side` cells to windows of twice as many.
+/// Makes windows of twice as many cells from windows of `side` cells.
 void widen(const Image<float>& from, int side, Image<float>& to) {
   const int last_x = from.width() - 1, last_y = from.height() - 1;
   for (int y = 0; y <= last_y; ++y) {
@@ -67,7 +67,7 @@ void draw_shadow_maps(Crew& crew, const FrameParams& params, std::vector<ShadowM
     if (size == 0) continue;
     const SampleGrid grid{
         glm::dvec2(lamp.map_focal_texel), glm::dvec2(lamp.map_center_texel), {0, 0, size, size}};
-    // Every band sets all triangles up: one band a thread.
+    // One band a thread, since every band sets up all triangles.
     crew.rows(size, (size + crew.threads() - 1) / crew.threads(),
               [&](int begin, int end) { draw_casters(params, i, grid, begin, end, maps[i].w); });
   }

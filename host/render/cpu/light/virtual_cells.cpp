@@ -7,7 +7,7 @@
 namespace mixrig::render::cpu {
 namespace {
 
-/// Of unit normals at the corners of a cell.
+/// Least cosine between unit normals at the corners of a smooth cell.
 constexpr float kLeastCosine = 0.9F;
 constexpr float kFaintestAmbient = 1e-12F;
 
@@ -62,7 +62,7 @@ void VirtualCells::find_shares(const LightInput& input, LampSet maybe) {
     for (std::size_t k = 0; k < count_; ++k) all += light[k] = lamp_light(lamps[k], surface);
     FloatLanes room = FloatLanes{} + 1.0F;
     for (std::size_t k = 0; k < count_; ++k) {
-      // Parts of a panel share what they see past the room.
+      // Parts of a panel share their visibility past the room.
       if (k == 0 || lamps[k].room_layer != lamps[k - 1].room_layer)
         room = room_share(input.frame, lamps[k], surface);
       store(&in_room_[k][at], room);

@@ -10,29 +10,30 @@ namespace {
 
 constexpr float kLitAll_w = std::numeric_limits<float>::max();
 
-/// A filter around a place in a map, for each point: tap (s, t) of the lamp's panel lies
-/// radius_texel * (s panel_u + t panel_v) away.
+/// For each point, a filter in the map: tap (s, t) of the lamp's panel lies radius_texel * (s
+/// panel_u + t panel_v) from the point's texel.
 struct FilterLanes {
   FloatLanes x_texel, y_texel, radius_texel;
-  FloatLanes panel_ux, panel_uy, panel_vx, panel_vy;  ///< as the point sees it along its ray
-  FloatLanes w;  ///< of the point in lamp axes, 1/m; kLitAll_w where it sees all of the lamp
-  FloatLanes slope_u, slope_v;  ///< of w along the point's own surface, 1/m a texel of panel_u, _v
-  /// Inverse depth that hides the point at a tap: more than its own, and more than that of the
-  /// plane of its surface there.
+  /// Panel axes as the point sees them along its ray.
+  FloatLanes panel_ux, panel_uy, panel_vx, panel_vy;
+  FloatLanes w;  ///< of the point in lamp axes, 1/m; kLitAll_w if it sees the whole lamp
+  /// Change of w on the point's own surface, 1/m a texel of panel_u and panel_v.
+  FloatLanes slope_u, slope_v;
+  /// Inverse depth above which a tap hides the point: the larger of the point's own and that of its
+  /// surface's plane at the tap.
   FloatLanes least_w(glm::vec2 tap) const {
     return w + max(radius_texel * (tap.x * slope_u + tap.y * slope_v), FloatLanes{});
   }
 };
 
-/// Reads the taps of filters.
+/// Reads the taps of filters from a map.
 class TapReader {
  public:
   explicit TapReader(const Image<float>& map_w)
       : texels_(map_w.row(0)),
         stride_(static_cast<std::int32_t>(map_w.stride())),
         last_(FloatLanes{} + static_cast<float>(map_w.width() - 1)) {}
-  /// Nearest texel of tap (x, y) of each filter. The border of a map is empty, as is everything
-  /// outside.
+  /// Nearest texel at a tap of each filter. The border of a map, and everything outside, is empty.
   FloatLanes read(const FilterLanes& f, glm::vec2 tap) const {
     const FloatLanes x = f.x_texel + f.radius_texel * (tap.x * f.panel_ux + tap.y * f.panel_vx);
     const FloatLanes y = f.y_texel + f.radius_texel * (tap.x * f.panel_uy + tap.y * f.panel_vy);
@@ -47,12 +48,12 @@ class TapReader {
   FloatLanes last_;
 };
 
-/// Coordinate `axis` of each point in the lamp's axes.
+/// Coordinate `axis` of each point in lamp axes.
 FloatLanes in_lamp(const glm::mat4& m, int axis, FloatLanes x, FloatLanes y, FloatLanes z) {
   return x * m[0][axis] + y * m[1][axis] + z * m[2][axis] + m[3][axis];
 }
 
-/// Slopes of the surfaces' own planes: w is affine over a plane in the map.
+/// Sets the slopes of the surfaces' planes: w is affine over a plane in the map.
 void find_slopes(const LampParams& lamp, const VectorLanes& normal, FloatLanes ray_x,
                  FloatLanes ray_y, FilterLanes& filter) {
   const glm::mat4& m = lamp.lamp_from_camera;
@@ -66,13 +67,13 @@ void find_slopes(const LampParams& lamp, const VectorLanes& normal, FloatLanes r
   filter.slope_v = (x * filter.panel_vx + y * filter.panel_vy) * scale;
 }
 
-/// Points into the lamp's map, with the radius in which casters can be.
+/// Projects points into the lamp's map, with the largest radius in which casters can be.
 FilterLanes place(const LampParams& lamp, const VectorLanes& p, const VectorLanes& normal,
                   IntLanes wanted) {
   const glm::mat4& m = lamp.lamp_from_camera;
   const float focal = lamp.map_focal_texel, near_m = lamp.casters_near_m;
   const FloatLanes unmoved_z = in_lamp(m, 2, p.x, p.y, p.z);
-  // A texel spans z / focal metres: kLiftTexels of them lift the point off its own surface.
+  // A texel spans z / focal metres; lifting by kLiftTexels moves the point off its own surface.
   const FloatLanes lift_m = unmoved_z * (kLiftTexels / focal);
   const FloatLanes x = p.x + lift_m * normal.x, y = p.y + lift_m * normal.y,
                    z = p.z + lift_m * normal.z;
@@ -84,7 +85,7 @@ FilterLanes place(const LampParams& lamp, const VectorLanes& p, const VectorLane
   const FloatLanes v = ray_y * focal + lamp.map_center_texel;
   const FloatLanes radius =
       max((1 / near_m - w) * (focal * lamp.radius_m), FloatLanes{} + kLeastRadiusTexel);
-  // A point of the panel that is nearer than its middle seems to lie aside of it.
+  // A point of the panel that is nearer than its centre appears shifted aside.
   FilterLanes filter{};
   filter.panel_ux = lamp.panel_u.x - lamp.panel_u.z * ray_x;
   filter.panel_uy = lamp.panel_u.y - lamp.panel_u.z * ray_y;
@@ -104,7 +105,7 @@ FilterLanes place(const LampParams& lamp, const VectorLanes& p, const VectorLane
   return filter;
 }
 
-/// Makes the filters as wide as the penumbra of what lies before each point.
+/// Sets the radius of each filter to the width of the penumbra of what lies before the point.
 template <int kCount>
 void find_blockers(const LampParams& lamp, const TapReader& reader, FilterLanes& filter) {
   static const auto kTaps = panel_taps<kCount>();
@@ -122,7 +123,7 @@ void find_blockers(const LampParams& lamp, const TapReader& reader, FilterLanes&
   filter.w = found ? filter.w : FloatLanes{} + kLitAll_w;
 }
 
-/// Whether any texel under the filters, as large as `radius_texel`, may be nearer than a point.
+/// Whether any texel within `radius_texel` of a filter's centre may be nearer than its point.
 bool may_find(const ShadowMap& map, const FilterLanes& f, FloatLanes radius_texel, float& most_w) {
   const IntLanes doubt = f.w < kLitAll_w;
   const FloatLanes far = FloatLanes{} + kLitAll_w;
@@ -136,8 +137,8 @@ bool may_find(const ShadowMap& map, const FilterLanes& f, FloatLanes radius_texe
   return most_w > least_of(f.w);
 }
 
-/// Whether any of the lamp may be hidden: casters are searched as far as the nearest one could hide
-/// a point; the filter is no wider than the nearest that is found allows.
+/// Whether part of the lamp may be hidden from a point: casters are searched as far as the nearest
+/// caster could hide it; then the filter is limited by the nearest one found.
 bool may_be_hidden(const LampParams& lamp, const ShadowMap& map, const FilterLanes& filter) {
   float most_w = 0;
   if (!may_find(map, filter, filter.radius_texel, most_w)) return false;
@@ -146,7 +147,7 @@ bool may_be_hidden(const LampParams& lamp, const ShadowMap& map, const FilterLan
   return may_find(map, filter, min(widest, filter.radius_texel), most_w);
 }
 
-/// Share of the lamp that is seen through the filters of place().
+/// Visible share of the lamp through the filters of place().
 template <int kBlockers, int kCount>
 FloatLanes seen_by(const LampParams& lamp, const ShadowMap& map, FilterLanes& filter) {
   static const auto kTaps = panel_taps<kCount>();
@@ -192,22 +193,22 @@ bool may_be_shadowed(const LampParams& lamp, const ShadowMap& map, const Corners
   const float z1 = -least_of4(min4(-near_z, -far_z));
   if (!(z1 > lamp.casters_near_m)) return false;
   if (!(least_of4(min4(near_z, far_z)) > static_cast<float>(kNearestM)))
-    return true;  // reaches behind the lamp
+    return true;  // the space reaches behind the lamp
   const F4 near_x = along(0, near_face) / near_z, far_x = along(0, far_face) / far_z;
   const F4 near_y = along(1, near_face) / near_z, far_y = along(1, far_face) / far_z;
   const float x0 = least_of4(min4(near_x, far_x)), x1 = -least_of4(min4(-near_x, -far_x));
   const float y0 = least_of4(min4(near_y, far_y)), y1 = -least_of4(min4(-near_y, -far_y));
-  // Lifting moves a point by `lift` of its depth in any direction.
+  // Lifting moves a point by up to `lift` of its depth in any direction.
   const float focal = lamp.map_focal_texel, lift = kLiftTexels / focal;
   if (!(lift < 0.5F)) return true;
   const float slope = std::max(std::max(-x0, x1), std::max(-y0, y1));
   const float moved_texel = kLiftTexels * (1 + std::max(slope, 0.0F)) / (1 - lift);
   const float w = 1 / (z1 * (1 + lift)), reach = focal * lamp.radius_m;
-  // Of the panel along an axis of the map, in radii.
+  // Largest extent of the panel along an axis of the map, in radii.
   const float steep = (slope + lift) / (1 - lift);
   const glm::vec3 panel = glm::abs(lamp.panel_u) + glm::abs(lamp.panel_v);
   const float extent = std::max(panel.x, panel.y) + panel.z * steep;
-  // Nothing that is farther than the point hides it; 0.1 % for rounding.
+  // What is farther than the point does not hide it; 0.1 % covers rounding.
   const auto largest_within = [&](float blocker_w) {
     const float margin =
         moved_texel + std::max(reach * (blocker_w - w), kLeastRadiusTexel) * extent * 1.001F + 1;
@@ -215,8 +216,8 @@ bool may_be_shadowed(const LampParams& lamp, const ShadowMap& map, const Corners
     return 1.001F * largest_w(map, focal * x0 + center - margin, focal * y0 + center - margin,
                               focal * x1 + center + margin, focal * y1 + center + margin);
   };
-  // Casters are searched as far as the nearest one could hide the point; the filter is no wider
-  // than the nearest that is found allows.
+  // Casters are searched as far as the nearest caster could hide the point; then the filter is
+  // limited by the nearest one found.
   const float nearest_w = largest_within(1 / lamp.casters_near_m);
   return nearest_w > w && largest_within(nearest_w) > w;
 }

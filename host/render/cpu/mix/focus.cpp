@@ -11,7 +11,8 @@
 namespace mixrig::render::cpu {
 namespace {
 
-/// Median of the known depths of 5 x 5 pixels, as 1/z; `last` where none is known.
+/// 1/z in focus: fixed, or by the median of the known depths of 5 x 5 pixels; `last` if none is
+/// known.
 float focus_w(const Focus& focus, const Image<float>& depth_m, float last) {
   if (focus.distance_m > 0) return 1 / focus.distance_m;
   std::array<float, 25> known;
@@ -28,8 +29,8 @@ float focus_w(const Focus& focus, const Image<float>& depth_m, float last) {
   return *middle;
 }
 
-/// The rows of discs of 0, 1/2, 1 ... px as runs: a pixel that is covered in part is the end of
-/// several.
+/// Cuts discs of radius 0, 1/2, 1 ... px into runs of their rows; a partly covered pixel is the end
+/// of several runs.
 void cut_into_chords(int most_radius, FocusScratch& s) {
   if (!s.chords_end.empty()) return;
   for (int step = 0; step <= 2 * most_radius; ++step) {
@@ -61,7 +62,7 @@ void fill_row(int y, float blur_px_m, float most_radius_px, FocusScratch& s,
   const float* const depth = output.mixed_depth_m.row(y);
   float *r = s.r.row(y), *g = s.g.row(y), *b = s.b.row(y), *w = s.w.row(y);
   float *radius = s.radius_px.row(y), *share = s.share.row(y);
-  std::array<float, 4> before{};  // what margins to the left have
+  std::array<float, 4> before{};  // running sums, for the margins too
   float last_w = s.focus_w;
   for (int x = 0; x < width; ++x) {
     const std::array<float, 4> light{linear[color[x].r], linear[color[x].g], linear[color[x].b], 1};
@@ -85,7 +86,7 @@ struct FocusTiles {
   std::size_t at(int tx, int ty) const { return static_cast<std::size_t>(ty * x + tx); }
 };
 
-/// Of the tiles of some rows: the greatest disc, and whether neighbours are two surfaces.
+/// For the tiles of some rows: the largest disc, and whether neighbours belong to two surfaces.
 void measure_tiles(Size size, const FocusTiles& tiles, float blur_px_m, int y, FocusScratch& s) {
   const float *w = s.w.row(y), *above = s.w.row(std::max(0, y - 1)), *radius = s.radius_px.row(y);
   for (int x = 0; x < size.width; ++x) {
@@ -96,7 +97,8 @@ void measure_tiles(Size size, const FocusTiles& tiles, float blur_px_m, int y, F
   }
 }
 
-/// Of the tiles that discs of `most_radius` reach, then of those that the greatest of them reach.
+/// For each tile: the largest disc within `most_radius`, then whether tiles within that disc show
+/// two surfaces.
 void look_around(const FocusTiles& tiles, int most_radius, FocusScratch& s) {
   const auto around = [&](int tx, int ty, int reach, auto&& see) {
     const int wide = (reach + kFocusTileWide - 1) / kFocusTileWide,
@@ -117,7 +119,7 @@ void look_around(const FocusTiles& tiles, int most_radius, FocusScratch& s) {
     }
 }
 
-/// Tables that hold for all frames, and planes of this one's size.
+/// Prepares the tables of all frames, and planes of this frame's size.
 void prepare(Size size, int margin, FocusScratch& s) {
   for (FocusScratch::Plane* plane : {&s.r, &s.g, &s.b, &s.w, &s.radius_px, &s.share})
     plane->reset(size, margin);
@@ -136,7 +138,7 @@ void prepare(Size size, int margin, FocusScratch& s) {
 void FocusScratch::Plane::reset(Size size, int margin_px) {
   margin = margin_px;
   stride = static_cast<std::size_t>(size.width + 2 * margin_px);
-  // The margins stay as they are made: without light.
+  // The margins keep their initial value, without light.
   values.resize(stride * static_cast<std::size_t>(size.height + 2 * margin_px), 0);
 }
 

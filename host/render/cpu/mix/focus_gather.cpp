@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass focus, pixels of a row: by taps of three layers, or by sums of runs.
+// Pass focus, pixels of a row: by taps of three layers, or by differences of running sums.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,12 +11,12 @@
 namespace mixrig::render::cpu {
 namespace {
 
-/// Light and share of one layer, a pixel a lane.
+/// Light and share of one layer, one pixel a lane.
 struct FocusLayer {
   FloatLanes r{}, g{}, b{}, share{};
 };
 
-/// The planes at a tap of the first of some pixels.
+/// The planes at a tap of kLanes pixels; pointers to the first.
 struct FocusTap {
   const float *r, *g, *b, *share, *w, *radius_px;
   FocusTap(const FocusScratch& s, int x, int y)
@@ -33,7 +33,7 @@ void add(const FocusTap& tap, FloatLanes part, FocusLayer& layer) {
   layer.b += part * load<FloatLanes>(tap.b), layer.share += part * load<FloatLanes>(tap.share);
 }
 
-/// Of a disc whose radius is `reach`, at distance d from its middle.
+/// Coverage of a pixel at distance d from the centre of a disc of radius `reach`.
 FloatLanes covered(FloatLanes reach, float d) {
   return min(max(reach + (0.5F - d), FloatLanes{}), FloatLanes{} + 1.0F);
 }
@@ -50,7 +50,7 @@ void store_lanes(const FocusScratch& s, FloatLanes r, FloatLanes g, FloatLanes b
              s.srgb_byte[static_cast<std::size_t>(blue[i])]};
 }
 
-/// Before over own over behind; where a layer is empty the others make up for it.
+/// Composites `before` over `own` over `behind`; the others make up for an empty layer.
 void resolve(const FocusScratch& s, const FocusLayer& before, const FocusLayer& own,
              const FocusLayer& behind, float weight, int count, Rgb8* to) {
   const FloatLanes none{}, one = none + 1.0F, least = none + kFocusNoLight;
@@ -67,7 +67,7 @@ void resolve(const FocusScratch& s, const FocusLayer& before, const FocusLayer& 
               a * before.b + o * own.b + f * behind.b, count, to);
 }
 
-/// Adds the taps of one row of the disc to kLanes pixels from (x0, y).
+/// Gathers the taps of kLanes pixels from (x0, y) on.
 struct FocusGather {
   const FocusPass& pass;
   FloatLanes w, radius_px, step_w;
@@ -83,7 +83,7 @@ struct FocusGather {
     const FloatLanes off_w = load<FloatLanes>(tap.w) - w, none{};
     const FloatLanes reach = load<FloatLanes>(tap.radius_px);
     const FloatLanes part = covered(reach, d);
-    // Behind an edge the room is seen through the part of the lens that the edge leaves free.
+    // Behind an edge, the room is seen through the part of the lens that the edge leaves free.
     const FloatLanes wide = covered(max(reach, radius_px), d);
     add(tap, off_w > step_w ? part : none, before);
     add(tap, off_w < -step_w ? wide : none, behind);
@@ -122,7 +122,7 @@ void blur_focus_row(const FocusPass& pass, int x0, int y, int count, Image<Rgb8>
     const auto [least, most] = std::minmax_element(radii, radii + lanes);
     const FloatLanes twice = 2.0F * load<FloatLanes>(radii), none{};
     std::array<FloatLanes, 3> light{};
-    // Between two discs of the table, by their means.
+    // Interpolates between discs of the table, by their means.
     for (int k = static_cast<int>(2 * *least); k <= static_cast<int>(std::ceil(2 * *most)); ++k) {
       std::array<FloatLanes, 4> sum{};
       const auto at = static_cast<std::size_t>(k);

@@ -24,7 +24,7 @@ glm::vec4 premultiplied(const VirtualLayer& from, int x, int y) {
   return to_differences({c.r, c.g, c.b, coverage});
 }
 
-/// A row of `across`, past the layer's rectangle by the reach of the blur.
+/// Filters a row along x, past the layer's rectangle by the reach of the blur.
 void blur_along(const VirtualLayer& from, const AxisTaps& taps, int y, const Rect& rect,
                 glm::vec4* out) {
   const auto at = [&](int x) {
@@ -40,7 +40,7 @@ void blur_along(const VirtualLayer& from, const AxisTaps& taps, int y, const Rec
   }
 }
 
-/// Of the nearest covered pixel that the blur reaches from (x, y).
+/// Inverse depth of the nearest covered pixel that the blur reaches from (x, y).
 float nearest_w(const VirtualLayer& from, int x, int y) {
   float w = 0;
   for (int j = std::max(y - kBlurReach, from.rect.y0);
@@ -53,7 +53,7 @@ float nearest_w(const VirtualLayer& from, int x, int y) {
 
 std::uint16_t to_16(float v) { return static_cast<std::uint16_t>(std::min(v, kLinearOne) + 0.5F); }
 
-/// `across`: rows from `first_y` on, blurred along.
+/// Filters along columns. `across`: rows from `first_y` on, filtered along x.
 void blur_down(const VirtualLayer& from, const AxisTaps& taps, int y,
                const Image<glm::vec4>& across, int first_y, VirtualLayer& to) {
   const auto row = [&](int j) {

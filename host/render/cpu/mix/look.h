@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass look: virtual things as noisy and as sharp as the plate (picture_look.h).
+// Pass look: gives virtual things the noise and sharpness of the plate (picture_look.h).
 #pragma once
 
 #include <array>
@@ -13,25 +13,27 @@
 
 namespace mixrig::render::cpu {
 
-/// Adds noise to shaded colour.
+/// Adds grain to shaded colour.
 struct GrainOf {
   Grain grain;
   Image<PackedNormal> noise;
-  glm::ivec2 offset{0};  ///< of the frame
+  glm::ivec2 offset{0};  ///< of this frame, texels
 
   bool any() const { return !noise.empty(); }
-  /// Of a colour of kLinearOne, premultiplied by `coverage` > 0 of 1, at a pixel.
+  /// A colour scaled by kLinearOne, premultiplied by `coverage` (0 to 1, not 0), with the grain of
+  /// pixel (x, y) added.
   glm::vec3 added(const glm::vec3& color, float coverage, int x, int y) const;
 };
 
 /// Memory of the blur.
 struct BlurScratch {
-  std::vector<Image<glm::vec4>> across;  ///< a thread's band of to_differences(), along rows
-  VirtualLayer layer;                    ///< what is filtered: rect, coverage, w and color
+  /// to_differences() of a thread's band, filtered along rows.
+  std::vector<Image<glm::vec4>> across;
+  VirtualLayer layer;  ///< the filtered layer: rect, coverage, w and color
 };
 
-/// Filters colour and coverage of `from` into scratch.layer. Pixels that only the blur covers are
-/// as near as the nearest pixel that they are blurred from. Allocates in the first frame only.
+/// Filters colour and coverage of `from` into scratch.layer. A pixel that only the blur covers
+/// takes the depth of the nearest pixel that it is blurred from. Allocates in the first frame only.
 void blur_layer(Crew& crew, const LookFilter& filter, const VirtualLayer& from,
                 BlurScratch& scratch);
 

@@ -9,16 +9,16 @@
 namespace mixrig::render::cpu {
 namespace {
 
-/// Pixels of a row that are encoded together.
+/// Most pixels of a row that are encoded together.
 constexpr int kMostAtOnce = 256;
 
-// Functions of a row are not inlined: g++ makes slower loops of them in one large function.
+// Row functions are not inlined: g++ makes slower loops of them in one large function.
 
-/// The real scene where its light is less than 1.
+/// Multiplies the real scene by its light where that is less than 1.
 [[gnu::noinline]] void apply_light(const Rgbx16* plate, const std::uint16_t* light, int width,
                                    Rgb8* color) {
   const auto dim = [](std::uint32_t c, std::uint32_t by) {
-    const std::uint32_t product = c * by + 32768;  // over 65535, rounded
+    const std::uint32_t product = c * by + 32768;  // divided by 65535 with rounding below
     return static_cast<std::uint16_t>((product + (product >> 16)) >> 16);
   };
   std::array<Rgbx16, kMostAtOnce> dimmed;
@@ -35,8 +35,8 @@ constexpr int kMostAtOnce = 256;
   }
 }
 
-/// Depths of the real scene: people as measured, the background as learned where it is; 0 where it
-/// is not shown. Writes only the wanted ones.
+/// Writes the wanted depths of the real scene: people as measured, the background as learned, else
+/// as measured; 0 where it is not shown.
 template <bool kMixed, bool kSegmented>
 void real_depths(const float* w, const float* background_m, bool replaced,
                  const std::uint8_t* matte, int width, float* mixed_m, float* segmented_m) {
@@ -78,7 +78,7 @@ glm::vec3 mixed_color(const Parts& p) {
   return p.real + share * (p.shaded - p.coverage * behind);
 }
 
-/// 65535 = 1, rounded, as 16-bit numbers.
+/// 16-bit numbers, rounded, 65535 = 1.
 Rgbx16 to_linear16(const glm::vec3& linear) {
   const glm::vec3 c = glm::clamp(linear, 0.0F, kLinearOne) + 0.5F;
   return {static_cast<std::uint16_t>(c.r), static_cast<std::uint16_t>(c.g),
@@ -87,7 +87,7 @@ Rgbx16 to_linear16(const glm::vec3& linear) {
 
 F4 to_float4(Rgbx16 p) { return __builtin_convertvector(std::bit_cast<U16x4>(p), F4); }
 
-/// As virtual_color.
+/// The same as virtual_color(), as a vector.
 F4 virtual_color4(const MixInput& input, int x, int y) {
   if (input.grain != nullptr || input.tone.bends) {
     const glm::vec3 c = virtual_color(input, x, y);
@@ -97,10 +97,10 @@ F4 virtual_color4(const MixInput& input, int x, int y) {
          F4{input.tone.gain.r, input.tone.gain.g, input.tone.gain.b, 0};
 }
 
-/// Least coverage of kVirtualShare.
+/// Least coverage byte of kVirtualShare.
 constexpr auto kVirtualByte = static_cast<std::uint8_t>(255 * kVirtualShare + 0.5F);
 
-/// As mixed_color where nobody is.
+/// mixed_color() for a pixel without people.
 void mix_without_people(Rgbx16 plate, float light, F4 shaded, float coverage, Rgbx16& out) {
   const F4 sum = shaded + (1 - coverage) * (to_float4(plate) * light);
   const F4 white = F4{} + kLinearOne;
@@ -108,8 +108,8 @@ void mix_without_people(Rgbx16 plate, float light, F4 shaded, float coverage, Rg
   out = std::bit_cast<Rgbx16>(__builtin_convertvector(__builtin_convertvector(c, I4), U16x4));
 }
 
-/// Pixels x0 .. x1 - 1 of a row, all with virtual coverage: their colour, 65535 = 1. Returns how
-/// many there are before the first one where the object lies behind the background.
+/// Mixes pixels x0 .. x1 - 1 of a row, all with virtual coverage; colour with 65535 = 1. Returns
+/// how many there are before the first one whose object lies behind the background.
 int mix_covered(const MixInput& input, int y, int x0, int x1, FrameOutput& output, Rgbx16* linear) {
   const VirtualLayer& objects = *input.objects;
   const bool layers = output.wanted & (kMixedDepth | kLayer);
@@ -143,12 +143,12 @@ int mix_covered(const MixInput& input, int y, int x0, int x1, FrameOutput& outpu
     if (coverage[x] == 0) continue;
     int end = x;
     while (end < objects.rect.x1 && end - x < kMostAtOnce && coverage[end] > 0) ++end;
-    for (; x < end; ++x) {  // past a pixel that lies behind the background
+    for (; x < end; ++x) {  // continues after a pixel whose object lies behind the background
       const int count = mix_covered(input, y, x, end, output, linear.data());
       if (output.wanted & kColor) encode_row(linear.data(), count, output.color.row(y) + x);
       x += count;
     }
-    x = end - 1;  // the pixel that ended the run may begin another
+    x = end - 1;  // the pixel that ended the run may begin another one
   }
 }
 
@@ -176,7 +176,7 @@ void mix(Crew& crew, const MixInput& input, FrameOutput& output) {
       if (input.light && (output.wanted & kColor))
         apply_light(input.plate.row(y), input.light->visible.row(y), width, output.color.row(y));
       if (output.wanted & kAlpha) std::fill_n(output.alpha.row(y), width, 255);
-      // Alpha alone needs no key, so that there is no matte.
+      // Alpha alone needs no key, so there may be no matte.
       if (objects && shows_objects && y >= objects->rect.y0 && y < objects->rect.y1)
         mix_virtual(input, y, output);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass mix: what a pixel is made of where the layers meet.
+// Pass mix: composition of a pixel in which layers meet.
 #pragma once
 
 #include <algorithm>
@@ -11,25 +11,26 @@ namespace mixrig::render::cpu {
 
 inline glm::vec3 to_vec(Rgbx16 p) { return glm::vec3(p.r, p.g, p.b); }
 
-/// What a pixel with virtual coverage is made of.
+/// Layers of a pixel.
 struct Parts {
-  glm::vec3 real, shaded;  ///< plate under the light map; shaded colour, premultiplied
-  float coverage, matte;   ///< of the virtual layer, of people
+  glm::vec3 real, shaded;  ///< plate under the light map; shaded virtual colour, premultiplied
+  float coverage, matte;   ///< of the virtual layer; of people
   float virtual_m, person_m, background_m;  ///< z, 0 unknown
-  std::optional<glm::vec3> room;            ///< the background's own colour under the light map
+  std::optional<glm::vec3> room;  ///< the background's own colour under the light map, if known
 };
 
-/// Whether the object lies behind the background. A surface that it touches does not hide it, and
-/// a background that is not shown or open hides nothing.
+/// Whether the object lies behind the background, by more than contact noise. A background that is
+/// open or not shown has depth 0 and hides nothing.
 inline bool is_behind_background(const Parts& p) {
   return p.background_m > 0 && p.virtual_m > p.background_m + kContactSlackM;
 }
-/// Unknown depth never occludes.
+/// Whether the person occludes the object. Unknown depth never occludes.
 inline bool is_person_before(const Parts& p) {
   return p.matte > 0 && p.person_m > 0 && p.person_m < p.virtual_m;
 }
 
-/// The most that the background can contribute to a pixel: no channel of the person is negative.
+/// Largest share of the background in a pixel: beyond it, a channel of the person would be
+/// negative.
 inline float most_background(const glm::vec3& real, const glm::vec3& behind) {
   const glm::vec3 ratio = real / glm::max(behind, 1e-6F);
   return std::min({ratio.r, ratio.g, ratio.b});
@@ -41,7 +42,8 @@ inline Layer visible_layer(const Parts& p) {
   return p.matte >= kPersonMatte ? Layer::kPerson : Layer::kBackground;
 }
 
-/// Colour of the background without people, linear of kLinearOne: learned, or that around.
+/// Colour of the background without people, linear, scaled by kLinearOne: learned, else the mean of
+/// the blocks around.
 inline std::optional<glm::vec3> room_color(const MixInput& input, int x, int y, float light) {
   if (!input.background.color.empty()) {
     const Rgbf b = input.background.color.row(y)[x];
@@ -58,7 +60,7 @@ inline float light_at(const MixInput& input, int x, int y) {
   return input.light ? static_cast<float>(input.light->visible.row(y)[x]) / kLinearOne : 1;
 }
 
-/// Shaded colour of a covered pixel as the camera shows it.
+/// Shaded colour of a covered pixel as the camera shows it, with grain.
 inline glm::vec3 virtual_color(const MixInput& input, int x, int y) {
   const glm::vec3 shaded = to_vec(input.objects->color.row(y)[x]);
   const float coverage = static_cast<float>(input.objects->coverage.row(y)[x]) / 255;
@@ -68,7 +70,7 @@ inline glm::vec3 virtual_color(const MixInput& input, int x, int y) {
   return input.grain->added(c, coverage, x, y);
 }
 
-/// Of a pixel with or without virtual coverage.
+/// Layers of a pixel; `covered`: the virtual layer covers it.
 inline Parts parts_at(const MixInput& input, const FrameOutput& output, int x, int y,
                       bool covered) {
   const float light = light_at(input, x, y);
@@ -97,7 +99,7 @@ inline void store_virtual(const Parts& parts, int x, int y, FrameOutput& output)
   if (output.wanted & kLayer) output.layer.row(y)[x] = static_cast<std::uint8_t>(Layer::kVirtual);
 }
 
-/// A row where the real background is replaced.
+/// Mixes a row where the real background is replaced.
 void mix_replaced(const MixInput& input, int y, FrameOutput& output);
 
 }  // namespace mixrig::render::cpu

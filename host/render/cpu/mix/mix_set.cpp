@@ -23,21 +23,21 @@ glm::vec3 decode(Rgb8 p) {
   return glm::vec3(linear[p.r], linear[p.g], linear[p.b]);
 }
 
-/// What a pixel of a person holds of the person: its colour times the matte.
+/// A person's contribution to a pixel: colour times matte.
 glm::vec3 person_alone(const Parts& p) {
   if (p.matte >= 1) return p.real;
   if (!p.room) return p.matte * p.real;
   return p.real - std::min(1 - p.matte, most_background(p.real, *p.room)) * *p.room;
 }
 
-/// A pixel that shows the backdrop alone.
+/// Writes a pixel that shows only the backdrop.
 void store_backdrop(const MixInput& input, int x, int y, FrameOutput& output) {
   const bool any = !input.backdrop.empty();
   if (output.wanted & kColor) output.color.row(y)[x] = any ? input.backdrop.row(y)[x] : Rgb8{};
   if (output.wanted & kAlpha) output.alpha.row(y)[x] = any ? 255 : 0;
 }
 
-/// A pixel that a virtual surface covers completely, without people.
+/// Writes a pixel that a virtual surface covers completely, without people.
 void store_set(const MixInput& input, int x, int y, FrameOutput& output) {
   const Rgbx16 c = input.objects->color.row(y)[x];
   if (output.wanted & kColor)
@@ -50,7 +50,7 @@ void store_set(const MixInput& input, int x, int y, FrameOutput& output) {
   if (output.wanted & kLayer) output.layer.row(y)[x] = static_cast<std::uint8_t>(Layer::kVirtual);
 }
 
-/// A pixel of which a person or a border of a virtual surface is a part.
+/// Writes a pixel with a part of a person or of a virtual surface's border.
 void mix_over_set(const MixInput& input, int x, int y, bool covered, FrameOutput& output) {
   const Parts p = parts_at(input, output, x, y, covered);
   const bool has_far = !input.backdrop.empty();

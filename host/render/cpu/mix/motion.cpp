@@ -13,7 +13,7 @@ bool is_within(const Rect& r, int x, int y) {
   return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1;
 }
 
-/// Premultiplied colour and coverage of a pixel, of kLinearOne and 255.
+/// Premultiplied colour (65535 = 1) and coverage (255 = 1) of a pixel.
 glm::vec4 layer_at(const VirtualLayer& from, int x, int y) {
   if (!is_within(from.rect, x, y)) return glm::vec4(0);
   const std::uint8_t coverage = from.coverage.row(y)[x];
@@ -34,7 +34,7 @@ float part_of_way(int i, int samples) {
   return (static_cast<float>(i) + 0.5F) / static_cast<float>(samples) - 0.5F;
 }
 
-/// 1/m; 0 where no object passes the pixel.
+/// Inverse depth of the nearest object that passes the pixel, 1/m; 0 if none does.
 float passing_w(const MotionParams& params, const VirtualLayer& from, int x, int y) {
   if (is_within(from.rect, x, y) && from.coverage.row(y)[x] > 0) return from.w.row(y)[x];
   const glm::vec2 at(x, y), way = motion_px(params, at, params.nearest_w);

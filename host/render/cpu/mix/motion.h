@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass motion: virtual things blurred along their way while the plate was exposed
-// (frame_motion.h).
+// Pass motion: blurs virtual things by the camera's motion during the exposure (frame_motion.h).
 #pragma once
 
 #include "hal/base/parallel.h"
@@ -10,8 +9,9 @@
 namespace mixrig::render::cpu {
 
 /// Blurs colour and coverage of `from` into `to`, whose images of coverage, w and colour have the
-/// view's size. A pixel moves as its own depth does; one that no object covers as the nearest that
-/// its way, at the nearest depth of all, meets, and is as near. Allocates nothing.
+/// view's size. A covered pixel moves by its own depth. Another pixel takes the depth of the
+/// nearest object that its path meets, with the path computed at the nearest depth of all objects.
+/// Allocates nothing.
 void blur_by_motion(Crew& crew, const MotionParams& params, const VirtualLayer& from,
                     VirtualLayer& to);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bilinear samples of linear 16-bit pixels.
+// Bilinear sampling of linear 16-bit pixels.
 #pragma once
 
 #include <algorithm>
@@ -11,17 +11,18 @@
 
 namespace mixrig::render::cpu {
 
-/// Pixel and 1/256 fraction of a coordinate, clamped to [0, size - 1].
+/// A coordinate clamped to [0, size - 1], as pixel and fraction in 1/256.
 struct Split {
   std::uint32_t pixel;
   std::uint16_t fraction;
 };
 inline Split split(float at, int size) {
   const float clamped = std::clamp(at, 0.0F, static_cast<float>(size - 1));
-  // As std::lround of what is not negative, but without a call: half a step more is exact here.
+  // Rounds like std::lround for values that are not negative, without a call: adding a half is
+  // exact here.
   const double half_up = static_cast<double>(256 * clamped) + 0.5;
   const auto fixed = static_cast<std::uint32_t>(static_cast<std::int32_t>(half_up));
-  // The last pixel is the right one of its pair, so that pairs stay inside.
+  // The last pixel is the right one of its pair, so that pairs stay inside the image.
   const auto pixel = std::min(fixed / 256, static_cast<std::uint32_t>(std::max(0, size - 2)));
   return {pixel, static_cast<std::uint16_t>(fixed - 256 * pixel)};
 }
@@ -30,16 +31,16 @@ using U16x8 = std::uint16_t __attribute__((vector_size(16)));
 using U32x8 = std::uint32_t __attribute__((vector_size(32)));
 using U32x4 = std::uint32_t __attribute__((vector_size(16)));
 
-/// Where a bilinear sample lies: the upper left of four pixels, and 1/256 px from there, as fine as
-/// texture units of GPUs.
+/// Place of a bilinear sample: the upper left of four pixels and the offset from it in 1/256 px,
+/// the precision of GPUs' texture units.
 struct Tap {
   std::uint32_t offset = 0;  ///< pixels from the first one of the image
   std::uint16_t fraction_x = 0, fraction_y = 0;
 };
 
-/// Bilinear between two pairs of neighbours, fractions of 256. 16-bit values and weights that sum
-/// to 2^16 fill 32 bits exactly. U32x8 stays in here: where registers are shorter the compiler
-/// takes two.
+/// Interpolates between two pairs of neighbours, fractions in 1/256. 16-bit values and weights that
+/// sum to 2^16 fit 32 bits exactly. U32x8 is not passed between functions: where registers are
+/// shorter the compiler uses two.
 inline U16x4 blend(const Rgbx16* top, const Rgbx16* low, std::uint32_t fx, std::uint32_t fy) {
   const U32x8 rows = __builtin_convertvector(load<U16x8>(top), U32x8) * (256 - fy) +
                      __builtin_convertvector(load<U16x8>(low), U32x8) * fy;
@@ -50,7 +51,7 @@ inline U16x4 blend(const Rgbx16* top, const Rgbx16* low, std::uint32_t fx, std::
   return __builtin_convertvector((sum + 0x7FFFU) >> 16, U16x4);
 }
 
-/// Samples that blend_run() takes at once.
+/// Samples that blend_run() computes at once.
 #if defined(__AVX512BW__) && defined(__AVX512DQ__)
 inline constexpr int kBlendPx = 4;
 #elif defined(__AVX2__)
@@ -59,9 +60,9 @@ inline constexpr int kBlendPx = 2;
 inline constexpr int kBlendPx = 1;
 #endif
 
-/// Stores kBlendPx samples to `to`, each as blend() has it. `first`: of the image; `down`: pixels
-/// from row to row. Multiply-add takes signed 16-bit numbers, so 2^15 is taken from the values and
-/// given back with the rounding: nothing is lost.
+/// Stores kBlendPx samples to `to`, each equal to blend(). `first`: first pixel of the image;
+/// `down`: pixels from row to row. Multiply-add takes signed 16-bit numbers, so 2^15 is subtracted
+/// from the values and added again with the rounding: nothing is lost.
 inline void blend_run(const Tap* taps, const Rgbx16* first, std::ptrdiff_t down, Rgbx16* to) {
 #if defined(__AVX512BW__) && defined(__AVX512DQ__)
   const auto four = [&](std::ptrdiff_t row) {
@@ -71,7 +72,7 @@ inline void blend_run(const Tap* taps, const Rgbx16* first, std::ptrdiff_t down,
     const __m256i low = _mm256_inserti128_si256(_mm256_castsi128_si256(pair(0)), pair(1), 1);
     const __m256i high = _mm256_inserti128_si256(_mm256_castsi128_si256(pair(2)), pair(3), 1);
     const __m512i all = _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
-    // Neighbours side by side: r r g g b b x x.
+    // Places neighbours side by side: r r g g b b x x.
     const __m512i order =
         _mm512_broadcast_i32x4(_mm_setr_epi8(0, 1, 8, 9, 2, 3, 10, 11, 4, 5, 12, 13, 6, 7, 14, 15));
     return _mm512_shuffle_epi8(_mm512_xor_si512(all, _mm512_set1_epi16(-0x8000)), order);
@@ -94,7 +95,7 @@ inline void blend_run(const Tap* taps, const Rgbx16* first, std::ptrdiff_t down,
       return _mm_loadu_si128(reinterpret_cast<const __m128i*>(first + taps[i].offset + row));
     };
     const __m256i both = _mm256_inserti128_si256(_mm256_castsi128_si256(pair(0)), pair(1), 1);
-    // Neighbours side by side: r r g g b b x x.
+    // Places neighbours side by side: r r g g b b x x.
     const __m256i order = _mm256_broadcastsi128_si256(
         _mm_setr_epi8(0, 1, 8, 9, 2, 3, 10, 11, 4, 5, 12, 13, 6, 7, 14, 15));
     return _mm256_shuffle_epi8(_mm256_xor_si256(both, _mm256_set1_epi16(-0x8000)), order);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows are first done with plain arithmetic that the compiler vectorises; the few pixels where it
-// finds something unusual are done again one by one.
+// Rows are first computed with plain arithmetic that the compiler vectorises; the few pixels with
+// something unusual are then computed again one by one.
 #include "host/render/cpu/plate/correct.h"
 
 #include <algorithm>
@@ -16,19 +16,19 @@ namespace {
 
 using Stride = std::ptrdiff_t;
 
-/// The four axes of a pixel's neighbours: right, down, down-right, down-left.
+/// Offsets of a pixel's neighbours along the axes right, down, down-right, down-left.
 constexpr std::array<Stride, 4> axes(Stride stride) { return {1, stride, stride + 1, stride - 1}; }
 
 void z_row(const float* depth_m, const glm::vec2* ray, bool is_distance, int width, float* z_m) {
   for (int x = 0; x < width; ++x) {
     const float r2 = ray[x].x * ray[x].x + ray[x].y * ray[x].y;
     const float z = is_distance ? depth_m[x] / std::sqrt(1 + r2) : depth_m[x];
-    z_m[x] = ((z > 0) & (z < kFarthestM) & (r2 >= 0)) ? z : 0;  // NaN fails, too
+    z_m[x] = ((z > 0) & (z < kFarthestM) & (r2 >= 0)) ? z : 0;  // false for NaN too
   }
 }
 
-/// How far a pixel is off the line through its neighbours, on the straightest axis: noise shows
-/// on all axes, an edge of the scene not along itself.
+/// Distance of a pixel from the line through its neighbours, on the straightest axis: noise bends
+/// all axes, an edge of the scene not the one along itself.
 void bend_row(const float* z_m, Stride stride, int width, float* bend_m) {
   for (int x = 0; x < width; ++x) {
     const float* p = z_m + x;
@@ -70,18 +70,18 @@ bool run_on(float a, float b, float c, float step_m) {
   return std::abs(1 / a - 2 / b + 1 / c) * (z * z) <= kPlanePart * step_m;
 }
 
-/// Depth of the surface that owns most of a pixel which saw two: `near` and `far` hold the
-/// samples one and two steps away on either side.
+/// Depth of the surface that fills most of a pixel which saw two; near1, near2, far1, far2: the
+/// samples one and two pixels away on either side.
 float owner_z(float z, float near1, float near2, float far1, float far2) {
   const float z_near = near2 > 0 ? std::min(near1, near2) : near1;
   const float z_far = std::max(far1, far2);
   const float share = (z_far - z) / (z_far - z_near);
-  // Amplitudes fall with the square of the distance: the near surface counts more.
+  // Amplitudes fall with the square of the distance, so the near surface counts more.
   const float near_part = share * z_near * z_near, far_part = (1 - share) * z_far * z_far;
   return near_part >= far_part ? z_near : z_far;
 }
 
-/// What a flying pixel becomes; 0 where p does not fly.
+/// Depth that a flying pixel gets; 0 if p does not fly.
 float landed(const float* p, Stride stride, float step_m) {
   const float z = *p;
   for (const Stride d : axes(stride)) {
@@ -95,7 +95,7 @@ float landed(const float* p, Stride stride, float step_m) {
   return 0;
 }
 
-/// Whether two neighbours lie at p's depth, or a line of three runs through it.
+/// Whether at least two neighbours lie at p's depth, or three depths in line run through it.
 bool is_supported(const float* p, Stride stride, float step_m) {
   int supporters = 0;
   for (const Stride d : axes(stride))
@@ -145,8 +145,8 @@ void clean_row(const float* raw_m, const float* step_m, Stride stride, int width
     if (z_m[x] < 0) z_m[x] = clean(raw_m + x, stride, step_m[x]);
 }
 
-/// Mean of inverse depth over the neighbours at the same depth: those within half a step, and
-/// pairs of opposite ones within a step: one side alone would pull a sloping surface over.
+/// Mean of inverse depth over neighbours within half a step, and over pairs of opposite ones within
+/// a step: one side alone would bias a sloping surface.
 void smooth_row(const float* clean_m, const float* step_m, Stride stride, int width, float* z_m,
                 float* w) {
   for (int x = 0; x < width; ++x) {
@@ -208,7 +208,7 @@ void correct(Crew& crew, const CorrectParams& params, const Image<glm::vec2>& to
 
 namespace {
 
-/// A row of a framed image, from its first pixel on.
+/// Pointer to the first pixel of a row of a framed image.
 template <typename T>
 auto* inner(T& image, int y) {
   return image.row(y + kFrame) + kFrame;
@@ -226,7 +226,7 @@ void sweep(Crew& crew, int height, Row&& do_row) {
 void correct_depth(Crew& crew, const CorrectParams& params, const Image<glm::vec2>& tof_ray,
                    ImageView<const float> depth_m, TofGrid& grid) {
   const int width = depth_m.size.width, height = depth_m.size.height;
-  const Stride stride = grid.z_m.stride();  // of all float grids
+  const Stride stride = grid.z_m.stride();  // the same for all float grids
   sweep(crew, height, [&](int y) {
     z_row(depth_m.row(y), tof_ray.row(y), params.depth_is_distance, width, inner(grid.z_m, y));
   });

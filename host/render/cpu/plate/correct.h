@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass correct: z of the ToF grid, stray pixels given to a surface, noise smoothed, links.
+// Pass correct: z of the ToF grid, without flying pixels, smoothed and linked.
 #pragma once
 
 #include "hal/base/parallel.h"
@@ -7,10 +7,10 @@
 
 namespace mixrig::render::cpu {
 
-/// Width of the unknown frame around the grids below: neighbours need no border checks.
+/// Width of the unknown frame around the grids, which saves border checks of neighbours.
 inline constexpr int kFrame = 2;
 
-/// The ToF grid between the sweeps; pixel (x, y) lies at (x + kFrame, y + kFrame).
+/// The ToF grid between the steps of the pass; pixel (x, y) is stored at (x + kFrame, y + kFrame).
 struct TofGrid {
   explicit TofGrid(Size tof_size);
   Image<float> raw_z_m;       ///< 0 unknown, also where a piece is stray
@@ -24,14 +24,14 @@ struct TofGrid {
 
 enum Link : std::uint8_t { kRight = 1, kDown = 2, kDownRight = 4, kDownLeft = 8 };
 
-/// Both halves.
+/// Runs the whole pass: depths and links.
 void correct(Crew& crew, const CorrectParams& params, const Image<glm::vec2>& tof_ray,
              ImageView<const float> depth_m, TofGrid& grid);
 
-/// Depths, without their links.
+/// Computes the depths, without links.
 void correct_depth(Crew& crew, const CorrectParams& params, const Image<glm::vec2>& tof_ray,
                    ImageView<const float> depth_m, TofGrid& grid);
-/// The links between `z_m`: grid.z_m or grid.agreed_z_m.
+/// Computes the links between depths `z_m`: grid.z_m or grid.agreed_z_m.
 void link_pixels(Crew& crew, const CorrectParams& params, const Image<float>& z_m, TofGrid& grid);
 
 }  // namespace mixrig::render::cpu

@@ -21,7 +21,7 @@ void sample_row(const Tap* taps, int width, const Image<Rgbx16>& from, std::ptrd
   }
 }
 
-/// Brighter by `gain`, as far as white.
+/// Multiplies a row by `gain`, clipped at white.
 void brighten_row(const std::uint16_t* gain, int width, Rgbx16* row) {
   for (int x = 0; x < width; ++x) {
     const U32x4 light = __builtin_convertvector(load<U16x4>(row + x), U32x4);
@@ -31,11 +31,11 @@ void brighten_row(const std::uint16_t* gain, int width, Rgbx16* row) {
   }
 }
 
-/// Pixels of a row of a decoded band: one column more than the plate, so that pairs of a picture
-/// one pixel wide have two pixels.
+/// Pixels of a row of a decoded band: one column more than the plate, so that a plate one pixel
+/// wide still has pairs of pixels.
 std::ptrdiff_t band_stride(Size plate) { return plate.width + 1; }
 
-/// `first`: row of the plate that the band begins with.
+/// Makes the taps of a row. `first`: plate row with which the band begins.
 void tap_row(const glm::vec2* plate_px, int width, Size plate, int first, Tap* taps) {
   const auto stride = static_cast<std::uint32_t>(band_stride(plate));
   for (int x = 0; x < width; ++x) {
@@ -45,7 +45,7 @@ void tap_row(const glm::vec2* plate_px, int width, Size plate, int first, Tap* t
   }
 }
 
-/// Rows of the plate between which those of a row of the view lie.
+/// Plate rows between which the taps of a view row lie.
 std::pair<int, int> row_range(const glm::vec2* plate_px, int width, int plate_height) {
   int least = plate_height, most = 0;
   for (int x = 0; x < width; ++x) {
@@ -71,7 +71,7 @@ PlateScratch::PlateScratch(const Tables& tables, int threads) : plate_size_(tabl
           std::lround(static_cast<float>(kGainOne) * tables.plate_gain.row(y)[x]));
 }
 
-/// Rows and taps of a band. `at_px`: places on the plate of the view's pixels.
+/// Sets plate rows and taps of a band. `at_px`: plate pixel of each view pixel.
 void PlateScratch::set_band(int band, const Image<glm::vec2>& at_px) {
   const int begin = band * kBandRows, end = std::min(begin + kBandRows, taps.height());
   int least = plate_size_.height, most = 0;
@@ -79,7 +79,7 @@ void PlateScratch::set_band(int band, const Image<glm::vec2>& at_px) {
     const auto [from, to] = row_range(at_px.row(y), taps.width(), plate_size_.height);
     least = std::min(least, from), most = std::max(most, to);
   }
-  const int count = std::min(most + 2, plate_size_.height) - least;  // a tap has a row below
+  const int count = std::min(most + 2, plate_size_.height) - least;  // a tap reads a row below
   plate_rows[static_cast<std::size_t>(band)] = {least, count};
   for (int y = begin; y < end; ++y)
     tap_row(at_px.row(y), taps.width(), plate_size_, least, taps.row(y));
@@ -107,7 +107,7 @@ void PlateScratch::see_through(Crew& crew, const geometry::CameraModel& target,
 void draw_plate(Crew& crew, ImageView<const Rgb8> plate, PlateScratch& scratch, Image<Rgbx16>& out,
                 Image<Rgb8>* color) {
   const int width = out.width();
-  if (scratch.taps.empty())  // plate and view are one
+  if (scratch.taps.empty())  // the plate is the view
     return crew.rows(out.height(), PlateScratch::kBandRows, [&](int begin, int end) {
       for (int y = begin; y < end; ++y) {
         decode_row(plate.row(y), width, out.row(y));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass plate: the colour camera's picture through the lens into the view, in linear light.
+// Pass plate: resamples the colour camera's picture through the lens into the view, in linear
+// light.
 #pragma once
 
 #include <vector>
@@ -11,13 +12,13 @@
 
 namespace mixrig::render::cpu {
 
-/// Memory of the pass. A band of view rows decodes the plate rows that it needs, so that they are
-/// read again while they are in the cache.
+/// Memory of the pass. Each band of view rows decodes the plate rows that it needs, so that they
+/// are read while still in the cache.
 struct PlateScratch {
-  /// For crews of `threads`.
+  /// Allocates for crews of `threads`.
   PlateScratch(const Tables& tables, int threads);
-  /// Takes another lens and view of the same sizes; allocates only where its bands need more rows
-  /// than any before. Precondition: not where plate and view are one.
+  /// Takes another lens and view of the same sizes; allocates only if its bands need more rows than
+  /// ever before. Precondition: the plate is not the view itself (Tables::plate_is_view).
   void see_through(Crew& crew, const geometry::CameraModel& target, const geometry::Pinhole& view);
 
   static constexpr int kBandRows = 32;
@@ -25,10 +26,10 @@ struct PlateScratch {
     int first = 0, count = 0;
   };
   std::vector<Image<Rgbx16>> decoded;  ///< a thread's band in linear light
-  std::vector<Rows> plate_rows;        ///< of each band of kBandRows
-  Image<Tap> taps;            ///< from the band's first row; empty where plate and view are one
+  std::vector<Rows> plate_rows;        ///< plate rows that each band of kBandRows needs
+  Image<Tap> taps;            ///< offsets from the band's first row; empty if the plate is the view
   Image<glm::vec2> plate_px;  ///< scratch of see_through(), empty before it
-  Image<std::uint16_t> gain;  ///< of each view pixel, 4096 = 1; empty without vignetting
+  Image<std::uint16_t> gain;  ///< factor of each view pixel, 4096 = 1; empty without vignetting
 
  private:
   void set_band(int band, const Image<glm::vec2>& at_px);
@@ -36,7 +37,7 @@ struct PlateScratch {
   Size plate_size_;
 };
 
-/// Resamples `plate` into `out` (view size) and, unless it is null, into `color`, the same in sRGB.
+/// Resamples `plate` into `out` (view size), and into `color` as sRGB unless that is null.
 void draw_plate(Crew& crew, ImageView<const Rgb8> plate, PlateScratch& scratch, Image<Rgbx16>& out,
                 Image<Rgb8>* color = nullptr);
 

@@ -11,7 +11,7 @@
 namespace mixrig::render::cpu {
 namespace {
 
-/// The three channels of a pixel, each where it lies in a Rgbx16.
+/// Linear values of a pixel's three channels, each at its place in an Rgbx16.
 struct DecodeTables {
   std::array<std::uint64_t, 256> r{}, g{}, b{};
 };
@@ -30,15 +30,15 @@ const DecodeTables& decode_tables() {
 }
 
 #if defined(__AVX512F__) && defined(__AVX512VL__)
-/// The byte of v is (table[v / 16] + v % 16) / 16: bytes lie at least 19 values apart, so that at
-/// most one border lies within 16. It stays in the first cache, which 65536 bytes do not.
+/// Encodes v as (table[v / 16] + v % 16) / 16: bytes lie at least 19 values apart, so at most one
+/// border lies within 16 values. The table fits the first-level cache, unlike 65536 bytes.
 const std::array<std::uint16_t, 4097>& encode_table() {  // one more: gathers read four bytes
   static const auto kTable = [] {
     const std::vector<std::uint8_t>& bytes = srgb_bytes_of_linear16();
     std::array<std::uint16_t, 4097> table{};
     for (std::size_t i = 0; i < 4096; ++i) {
       const std::uint8_t first = bytes[16 * i];
-      std::size_t later = 0;  // values of the second byte
+      std::size_t later = 0;  // number of values with the second byte
       for (std::size_t j = 0; j < 16; ++j) later += bytes[16 * i + j] != first;
       table[i] = static_cast<std::uint16_t>(16 * first + later);
     }
@@ -47,7 +47,7 @@ const std::array<std::uint16_t, 4097>& encode_table() {  // one more: gathers re
   return kTable;
 }
 
-/// Four pixels; the first 12 bytes.
+/// Encodes four pixels into the first 12 bytes.
 __m128i encode_four(const Rgbx16* from, const std::uint16_t* table) {
   const __m512i v =
       _mm512_cvtepu16_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from)));
@@ -92,7 +92,7 @@ void encode_row(const Rgbx16* from, int width, Rgb8* to) {
   int x = 0;
 #if defined(__AVX512F__) && defined(__AVX512VL__)
   const std::uint16_t* table = encode_table().data();
-  // Whole registers are stored, as long as what is stored too much is still of this row.
+  // Stores whole registers as long as the surplus stays inside this row.
   for (; x + 6 <= width; x += 4)
     _mm_storeu_si128(reinterpret_cast<__m128i*>(to + x), encode_four(from + x, table));
 #endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// sRGB (IEC 61966-2-1) to linear light and back, by tables. Linear light is 16 bit: 65535 = 1.
+// Conversion between sRGB (IEC 61966-2-1) and linear light by tables. Linear light has 16 bits:
+// 65535 = 1.
 #pragma once
 
 #include <array>
@@ -9,7 +10,7 @@
 
 namespace mixrig::render::cpu {
 
-/// Linear light of a pixel, 65535 = 1.0; x pads to eight bytes.
+/// Linear light of a pixel, 65535 = 1.0; x pads it to eight bytes.
 struct Rgbx16 {
   std::uint16_t r = 0, g = 0, b = 0, x = 0;
 };
@@ -19,12 +20,12 @@ inline constexpr float kLinearOne = 65535.0F;
 /// Linear value of each sRGB byte, 65535 = 1.0. encode(decode(c)) = c.
 const std::array<std::uint16_t, 256>& srgb_to_linear();
 
-/// The same, 1 = 1.0.
+/// Linear value of each sRGB byte as a float, 1.0 = white.
 const std::array<float, 256>& linear_of_byte();
 
-/// `width` pixels to linear light; x is 0.
+/// Converts `width` pixels to linear light; x becomes 0.
 void decode_row(const Rgb8* from, int width, Rgbx16* to);
-/// `width` pixels to sRGB, each channel correctly rounded.
+/// Converts `width` pixels to sRGB, each channel correctly rounded.
 void encode_row(const Rgbx16* from, int width, Rgb8* to);
 
 }  // namespace mixrig::render::cpu

@@ -7,7 +7,7 @@
 namespace mixrig::render::cpu {
 namespace {
 
-/// Samples that three points may cover; the whole grid where one lies before the near plane.
+/// Samples that three points may cover; the whole grid if one lies before the near plane.
 Rect box_of(const std::array<glm::dvec3, 3>& points, const SampleGrid& grid) {
   double x0 = 1e9, y0 = 1e9, x1 = -1e9, y1 = -1e9;
   int behind = 0;
@@ -37,7 +37,7 @@ Rect box_of(const std::array<glm::dvec3, 3>& points, const SampleGrid& grid) {
 std::optional<Triangle> set_up(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c,
                                const SampleGrid& grid, Facing facing) {
   const std::array<glm::dvec3, 3> p = {glm::dvec3(a), glm::dvec3(b), glm::dvec3(c)};
-  // The side is taken from the plane's normal, not from the box product, which suffers from
+  // The facing comes from the plane's normal, not from the box product, which suffers from
   // cancellation.
   const double volume = glm::dot(p[0], glm::cross(p[1] - p[0], p[2] - p[0]));
   if (!(std::abs(volume) > 0) || (facing == Facing::kFront && volume > 0)) return std::nullopt;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangles in homogeneous coordinates (Olano and Greer 1997): what crosses the camera plane needs
-// no clipping, samples behind the camera have a negative inverse depth.
+// Rasterises triangles in homogeneous coordinates (Olano and Greer 1997): triangles that cross the
+// camera plane need no clipping; samples behind the camera have negative inverse depth.
 #pragma once
 
 #include <array>
@@ -14,19 +14,19 @@
 
 namespace mixrig::render::cpu {
 
-/// A grid of sample points before a pinhole.
+/// A grid of sample points of a pinhole.
 struct SampleGrid {
   glm::dvec2 focal{1}, center{0};
-  Rect rect;         ///< samples that exist
-  double shift = 0;  ///< by which for_each_run() moves them along each axis, at most
+  Rect rect;         ///< the samples that exist
+  double shift = 0;  ///< largest offset by which for_each_run() moves samples along each axis
 };
 
-/// a x + b y + c of a sample's column and row, relative to the triangle's first.
+/// Function a x + b y + c of a sample's column and row, relative to the triangle's first.
 struct Affine {
   float a = 0, b = 0, c = 0;
 };
 
-/// A triangle ready to be filled: inside where all three shares are positive.
+/// A triangle ready to be filled: a sample is inside where all three shares are positive.
 struct Triangle {
   Rect box;                     ///< samples that it may cover
   std::array<Affine, 3> share;  ///< of each vertex in the inverse depth; their sum is w = 1/z
@@ -34,19 +34,19 @@ struct Triangle {
 
 enum class Facing { kFront, kBoth };
 
-/// Sets up a triangle of camera-axes vertices, counter-clockwise seen from the front; nullopt where
-/// it shows its back, has no area or lies outside the grid.
+/// Sets up a triangle of camera-axes vertices, counter-clockwise seen from the front; nullopt if it
+/// shows its back, has no area or lies outside the grid.
 std::optional<Triangle> set_up(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c,
                                const SampleGrid& grid, Facing facing);
 
-/// 0, 1, 2, ... of the lanes.
+/// Vector 0, 1, 2, ...
 template <int... kLane>
 constexpr FloatLanes count_up(std::integer_sequence<int, kLane...>) {
   return FloatLanes{static_cast<float>(kLane)...};
 }
 inline constexpr FloatLanes kLaneNumber = count_up(std::make_integer_sequence<int, kLanes>());
 
-/// -1, 1, -1, 1, ...
+/// Vector -1, 1, -1, 1, ...
 template <int... kLane>
 constexpr FloatLanes alternate(std::integer_sequence<int, kLane...>) {
   return FloatLanes{(kLane % 2 == 0 ? -1.0F : 1.0F)...};
@@ -54,11 +54,11 @@ constexpr FloatLanes alternate(std::integer_sequence<int, kLane...>) {
 inline constexpr FloatLanes kAlternate = alternate(std::make_integer_sequence<int, kLanes>());
 
 /// Calls fill(x, y, w, inside) for runs of kLanes samples from (x, y) on, in rows [y0, y1), which
-/// hold all samples of the triangle; `inside` tells which do. Runs start at `last_x` at most, and a
-/// sample can come twice. `shift` turns every 2x2 samples about their middle: those of even rows
-/// lie further right and of odd ones further left, those of even columns further up and of odd ones
-/// further down, by so many samples. A border that two triangles share belongs to both, with a
-/// small overlap against cracks; the caller keeps the nearest surface.
+/// cover all samples of the triangle; `inside` marks those in it. Runs start at `last_x` at most,
+/// so a sample can come twice. `shift` (in samples) rotates each 2x2 samples about their centre:
+/// even rows move right and odd ones left, even columns up and odd ones down. A border that two
+/// triangles share belongs to both, with a small overlap against cracks; the caller keeps the
+/// nearest surface.
 template <typename Fill>
 void for_each_run(const Triangle& t, int y0, int y1, int last_x, float shift, Fill&& fill) {
   const float width = static_cast<float>(t.box.x1 - t.box.x0);

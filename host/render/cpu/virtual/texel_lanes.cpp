@@ -8,27 +8,28 @@ namespace {
 
 constexpr FloatLanes kNothing{};
 constexpr FloatLanes kFull = FloatLanes{} + 1.0F;
-constexpr float kFarthestPlace = 1e6F;  ///< of a texture; what lies farther is white
-constexpr int kSpan = 3;                ///< texels along a side that samples may share
+/// Largest texture coordinate; beyond it the texture is white.
+constexpr float kFarthestPlace = 1e6F;
+constexpr int kSpan = 3;  ///< texels along a side that samples may share
 
-/// Largest whole number that is not above; the value must fit.
+/// Largest integer not above f; the value must fit.
 FloatLanes floor_of(FloatLanes f) {
   const FloatLanes whole = to_float(truncate(f));
   return whole + to_float(whole > f);  // true is -1
 }
 
-/// Numbers of texels along an axis, from -1 on, of a texture that repeats.
+/// Wraps texel numbers from -1 to size of a repeating texture.
 IntLanes wrapped(IntLanes i, int size) {
   i = i < 0 ? i + size : i;
   while (any(i >= size)) i = i >= size ? i - size : i;
   return i;
 }
 
-/// Where samples lie along an axis of the texture: between texels from `origin` on.
+/// Positions of samples along an axis of the texture, between texels from `origin` on.
 struct Along {
-  IntLanes origin{};                                ///< from -1 on, before size
-  std::array<IntLanes, kPixelSamples> from_origin;  ///< of the texel below a sample; at most kSpan
-  SampleLanes share;                                ///< way on to the next one
+  IntLanes origin{};                                ///< from -1 on, below size
+  std::array<IntLanes, kPixelSamples> from_origin;  ///< texel below each sample; at most kSpan
+  SampleLanes share;                                ///< fraction of the way to the next texel
   IntLanes most{};                                  ///< largest from_origin
 };
 Along along_axis(const SampleLanes& at, const SampleLanes& counted, int size) {
@@ -49,7 +50,7 @@ Along along_axis(const SampleLanes& at, const SampleLanes& counted, int size) {
   return out;
 }
 
-/// Reads texels.
+/// Reads texels of a texture.
 class TexelReader {
  public:
   explicit TexelReader(ImageView<const Rgb8> texture)
@@ -57,10 +58,10 @@ class TexelReader {
         last_byte_(kBytes * static_cast<std::int32_t>(texture.stride * (texture.size.height - 1) +
                                                       texture.size.width) -
                    static_cast<std::int32_t>(sizeof(std::int32_t))) {}
-  /// `texel`: its number in the picture.
+  /// `texel`: its index in the picture.
   void add(IntLanes texel, FloatLanes weight, ColorLanes& sum) const {
     const IntLanes at = kBytes * texel;
-    // The last one has no fourth byte behind it.
+    // The last texel has no fourth byte behind it.
     const IntLanes from = at < last_byte_ ? at : IntLanes{} + last_byte_;
     const IntLanes rgb = gather_bytes(data_, from) >> (8 * (at - from));
     const float* const table = linear_of_byte().data();
@@ -82,7 +83,7 @@ FloatLanes weight_of(const Along& a, std::size_t sample, int i) {
   return low == i ? 1 - a.share[sample] : second;
 }
 
-/// Of samples between the same 3x3 texels, or fewer.
+/// Sums samples that lie between the same 3x3 texels, or fewer.
 void add_shared(ImageView<const Rgb8> texture, const Along& x, const Along& y,
                 const SampleLanes& counted, ColorLanes& sum) {
   const TexelReader reader(texture);
@@ -104,7 +105,7 @@ void add_shared(ImageView<const Rgb8> texture, const Along& x, const Along& y,
   }
 }
 
-/// Each sample by itself.
+/// Sums each sample by itself.
 void add_apart(ImageView<const Rgb8> texture, const SampleLanes& x, const SampleLanes& y,
                const SampleLanes& counted, ColorLanes& sum) {
   const TexelReader reader(texture);

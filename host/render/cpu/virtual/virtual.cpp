@@ -66,13 +66,13 @@ void resolve_row(const FrameParams& params, const VirtualScratch& scratch, int y
   }
 }
 
-/// Samples of view rows [y0, y1), then their means.
+/// Draws the samples of view rows [y0, y1) and resolves them.
 void draw_band(const FrameParams& params, VirtualScratch& scratch, int worker, int y0, int y1,
                VirtualLayer& layer) {
   const int first = worker * kBandRows * kVirtualSamples;
   const auto row_of = [&](int sample_y) { return first + sample_y - y0 * kVirtualSamples; };
   const int begin = y0 * kVirtualSamples, end = y1 * kVirtualSamples;
-  // Registers of pixels are resolved that begin before the rectangle, or end after it.
+  // Registers of pixels may begin before the rectangle, or end after it.
   const int width = scratch.sample_w.width();
   const int x0 = kVirtualSamples * std::max(std::min(layer.rect.x0, layer.w.width() - kLanes), 0);
   const int x1 = std::min(kVirtualSamples * (layer.rect.x1 + kLanes), width);

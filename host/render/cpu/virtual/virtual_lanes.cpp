@@ -15,7 +15,7 @@ namespace {
 constexpr FloatLanes kZeroLanes{};
 constexpr float kWholeByte = 255, kUnitByte = 127;
 
-/// Of the samples of kLanes pixels, in the order of kSampleColumn.
+/// Samples of kLanes pixels, in the order of kSampleColumn.
 struct Samples {
   SampleLanes w;
   std::array<IntLanes, kPixelSamples> item, covered;
@@ -39,7 +39,7 @@ Samples samples_at(const VirtualScratch& scratch, int x, int row) {
   return out;
 }
 
-/// What the samples show, normals times inverse depth.
+/// Attributes at the samples; normals are times inverse depth.
 struct Shown {
   std::array<VectorLanes, kPixelSamples> normal{};
   SampleLanes u{}, v{};
@@ -72,7 +72,7 @@ void show_item(const FrameParams& params, const VirtualScratch& scratch, std::in
   }
 }
 
-/// False where a mesh does not fit.
+/// Reads the attributes of all samples; false if a mesh does not fit.
 bool show(const FrameParams& params, const VirtualScratch& scratch, const Samples& samples, int x,
           int y, Shown& shown) {
   std::array<IntLanes, kPixelSamples> left = samples.covered, of_item;
@@ -89,7 +89,7 @@ bool show(const FrameParams& params, const VirtualScratch& scratch, const Sample
   return true;
 }
 
-/// Of each sample; zero where nothing is covered.
+/// Unit normals, one vector a sample; zero where nothing is covered.
 using NormalLanes = std::array<VectorLanes, kPixelSamples>;
 NormalLanes unit_normals(const PinholeParams& view, const Samples& samples, const Shown& shown,
                          int x, int y) {
@@ -114,10 +114,10 @@ NormalLanes unit_normals(const PinholeParams& view, const Samples& samples, cons
   return out;
 }
 
-/// Of each sample, whether it counts.
+/// For each sample, whether it counts.
 using SampleMask = std::array<IntLanes, kPixelSamples>;
 
-/// The samples of the nearest surface.
+/// Selects the samples of the nearest surface.
 SampleMask nearest_surface(const Samples& samples, const NormalLanes& normals, FloatLanes nearest) {
   VectorLanes n{};
   SampleMask is_nearest;
@@ -147,7 +147,7 @@ IntLanes packed_normal(const VectorLanes& sum) {
   return byte(sum.x) | byte(sum.y) << 8 | byte(z) << 16;
 }
 
-/// Sums over some of the samples.
+/// Sums over the selected samples.
 struct Sums {
   VectorLanes normal{};
   ColorLanes albedo{};
@@ -155,7 +155,7 @@ struct Sums {
   IntLanes count{};
 };
 
-/// The draws that the pixels show, one after the other.
+/// Sums the materials of all draws that the pixels show, one draw after the other.
 Sums sums_of(const FrameParams& params, const Samples& samples, const Shown& shown,
              const NormalLanes& normals, const SampleMask& mask) {
   Sums sums;
@@ -190,7 +190,7 @@ Sums sums_of(const FrameParams& params, const Samples& samples, const Shown& sho
   return sums;
 }
 
-/// What a layer keeps of Sums.
+/// Sums converted to the layer's formats.
 class Packed {
  public:
   explicit Packed(const Sums& sums)
@@ -231,7 +231,7 @@ void store_nearest(const Packed& packed, IntLanes some, int x, int y, VirtualLay
   }
 }
 
-/// `done`: lanes whose pixels have theirs already.
+/// Adds other surfaces; the first `done` lanes have theirs already.
 void add_others(const Packed& packed, IntLanes some, FloatLanes w, int x, int y, int done,
                 VirtualLayer& layer) {
   for (unsigned left = bits_of(some); left != 0; left &= left - 1) {

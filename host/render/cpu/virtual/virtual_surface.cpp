@@ -21,13 +21,13 @@ F4 sqrt4(F4 f) {
 }
 I4 to_int4(F4 f) { return __builtin_convertvector(f, I4); }
 F4 to_float4(I4 i) { return __builtin_convertvector(i, F4); }
-/// Largest whole number that is not above; the value must fit.
+/// Largest integer not above f; the value must fit.
 F4 floor4(F4 f) {
   const F4 whole = to_float4(to_int4(f));
   return whole + to_float4(whole > f);  // true is -1
 }
 
-/// A vector of each of the four samples.
+/// A vector for each of the four samples.
 struct Vector4 {
   F4 x, y, z;
 };
@@ -42,7 +42,8 @@ Vector4 operator*(const glm::mat3& m, const Vector4& v) {
 }
 F4 dot(const Vector4& a, const Vector4& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/// Texels around each sample along an axis of `size` texels, repeating, and the way between them.
+/// Texels around each sample along an axis of `size` repeating texels, and the fraction between
+/// them.
 struct Neighbours {
   I4 first, second;
   F4 share;
@@ -66,8 +67,7 @@ const std::array<float, 256>& shares() {
   return kTable;
 }
 
-/// Sum of the samples' texels, as `table` has their bytes: bilinear, repeating. `counted`: 1 or 0 a
-/// sample.
+/// Sum of the samples' texels, decoded by `table`: bilinear, repeating. `counted`: 1 or 0 a sample.
 F4 texels(ImageView<const Rgb8> texture, const std::array<float, 256>& table, F4 u, F4 v,
           F4 counted) {
   const I4 sane = (u < 1e6F) & (u > -1e6F) & (v < 1e6F) & (v > -1e6F);
@@ -104,7 +104,7 @@ Vector4 rays(const PinholeParams& view, int x, int y) {
           F4{} + 1.0F};
 }
 
-/// Sums over samples.
+/// Sums over samples of one surface.
 struct Surface {
   F4 albedo{}, emission{};
   F4 gloss{};  ///< metallic, roughness, specular
@@ -112,7 +112,7 @@ struct Surface {
   int count = 0;
 };
 
-/// Where the samples of one item lie on its mesh.
+/// Texture coordinates of the samples of one item.
 struct OnMesh {
   F4 u, v;
   F4 counted;  ///< 1 or 0 a sample
@@ -120,14 +120,14 @@ struct OnMesh {
 
 F4 of_color(const glm::vec3& c) { return F4{c.r, c.g, c.b, 0}; }
 
-/// A colour times the samples' texels of a map, if there is one.
+/// Multiplies a colour by the samples' texels of a map, if there is one.
 F4 mapped(F4 color, ImageView<const Rgb8> map, const std::array<float, 256>& table,
           const OnMesh& at) {
   return color *
          (map.empty() ? F4{} + total(at.counted) : texels(map, table, at.u, at.v, at.counted));
 }
 
-/// A pixel's normal by the map: tangents along u and against v, as the triangle lies.
+/// A pixel's normal by the normal map: tangents along u and against v of the triangle.
 glm::vec3 bent_normal(const MeshView& mesh, const std::array<glm::vec3, 3>& corners_m,
                       const std::uint32_t* index, const glm::vec3& normal, const OnMesh& at) {
   const glm::vec3 e1 = corners_m[1] - corners_m[0], e2 = corners_m[2] - corners_m[0];
@@ -145,12 +145,12 @@ glm::vec3 bent_normal(const MeshView& mesh, const std::array<glm::vec3, 3>& corn
                         std::max(texel[2], 1e-3F) * normal);
 }
 
-/// The samples of one item, and what lies at them.
+/// The samples of one item, with their interpolation weights and normals.
 struct OfItem {
   const VirtualScratch::Item* item;
-  I4 mask;          ///< samples of the pixel
-  Vector4 weights;  ///< of the corners
-  Vector4 normal;   ///< unit, zero elsewhere
+  I4 mask;          ///< samples of the pixel that show it
+  Vector4 weights;  ///< of the triangle's corners
+  Vector4 normal;   ///< unit; zero outside `mask`
 };
 
 /// `w`: inverse depth of the samples, 1 outside `mask`.
@@ -174,7 +174,7 @@ OfItem at_item(const Draw& draw, const VirtualScratch::Item& item, int x, int y,
   return {&item, mask, weights, {scaled(n.x), scaled(n.y), scaled(n.z)}};
 }
 
-/// Adds the samples of `among` that are of the item.
+/// Adds those samples of `among` that show the item.
 void add(const Draw& draw, const VirtualScratch& scratch, const OfItem& of, I4 among,
          Surface& sum) {
   const I4 mask = of.mask & among;
@@ -213,7 +213,7 @@ void add(const Draw& draw, const VirtualScratch& scratch, const OfItem& of, I4 a
                 bent_normal(mesh, {p[i[0]], p[i[1]], p[i[2]]}, i, glm::normalize(normal), at);
 }
 
-/// The samples of the nearest surface, of those of `items`; `w` is 0 where nothing is covered.
+/// Samples of `items` that belong to the nearest surface; `w` is 0 where nothing is covered.
 I4 nearest_surface(std::span<const OfItem> items, F4 w) {
   Vector4 normal{};
   for (const OfItem& of : items) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass virtual, what a pixel shows: the mean of its covered samples.
+// Pass virtual: resolves the covered samples of a pixel.
 #pragma once
 
 #include "host/render/cpu/virtual/virtual.h"

@@ -37,8 +37,7 @@ LightInput VirtualThings::light_input(MovingBackground* moving, const PeopleShad
           .people = people};
 }
 
-/// How alike the noise of neighbours is stays as it was first: the table of noise is not made
-/// again.
+/// The table of noise is not rebuilt, so the noise keeps the correlation of the first look.
 void VirtualThings::take_look(const FrameInput& input) {
   const PictureLook* const look = look_.take(input);
   if (look == nullptr) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Virtual objects from frame to frame: their pixels, what they and people hide of the lamps, the
-// light that is left, and the camera's look. What depends on the pose alone stays while it does.
+// Virtual objects over time: their pixels, shadows of objects and people, shading, and the camera's
+// look. Results that depend on the pose alone are kept while it stays.
 #pragma once
 
 #include <cstdint>
@@ -16,29 +16,30 @@
 
 namespace mixrig::render::cpu {
 
-/// Memory of one compositor whose setup has objects; not thread-safe. Allocates in the first frames
+/// Used by one compositor whose setup has objects; not thread-safe. Allocates in the first frames
 /// only.
 class VirtualThings {
  public:
-  /// Borrows all four. `background`: of the setup, or drawn for each pose.
+  /// Borrows the first four. `background`: that of the setup, or the one drawn for each pose.
   VirtualThings(const CompositorSetup& setup, const BackgroundView& background,
                 const Tables& tables, const FrameParams& frame, int threads);
 
-  /// Takes the look of this frame, also where that does not show the objects.
+  /// Takes the look of this frame, even if the frame does not show the objects.
   void take_look(const FrameInput& input);
-  /// Draws and shades the objects, shadow maps and the background's light, where the pose has
-  /// changed; grain moves in each frame. `moving`: of a camera that moves, else null.
+  /// Draws and shades objects, shadow maps and the background's light if the pose has changed;
+  /// moves the grain in each frame. `moving`: null unless the camera moves.
   void draw(Crew& crew, MovingBackground* moving, StopWatch& watch);
-  /// Light of what the plate shows, and people's shadows on the objects. After key.
+  /// Computes the light of what the plate shows, and people's shadows on the objects. Call it after
+  /// pass key.
   void light_real(Crew& crew, MovingBackground* moving, const Image<float>& view_w,
                   const Image<std::uint8_t>& matte);
-  /// Blurs by the lens, then by the camera's motion.
+  /// Blurs the objects by the lens, then by the camera's motion.
   void blur(Crew& crew, const std::optional<CameraMotion>& motion);
 
-  /// As they are mixed in this frame. After blur().
+  /// The layer that this frame mixes. Call it after blur().
   const VirtualLayer& mixed() const { return *mixed_; }
   const GrainOf* grain() const { return grain_.any() ? &grain_ : nullptr; }
-  /// Null where objects take light from nothing.
+  /// Null if objects take no light from lamps or the room.
   const LightLayer* light() const { return has_shadows(frame_) ? &light_ : nullptr; }
 
  private:
@@ -56,9 +57,9 @@ class VirtualThings {
   PeopleShadow people_shadow_;
   UsedLook look_;
   std::optional<LookFilter> look_filter_;
-  bool drawn_ = false;  ///< since they were blurred
+  bool drawn_ = false;  ///< since they were last blurred
   BlurScratch blurred_;
-  VirtualLayer moved_;  ///< where the look has motion: blurred by it
+  VirtualLayer moved_;  ///< blurred by motion, if the look has motion
   const VirtualLayer* mixed_ = &objects_;
   GrainOf grain_;
   std::uint32_t frames_ = 0;

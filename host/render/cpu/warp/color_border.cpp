@@ -24,8 +24,8 @@ glm::vec3 bilinear(const Image<Rgbx16>& plate, glm::vec2 at) {
   return glm::mix(upper, lower, part.y) * (1 / kLinearOne);
 }
 
-/// Roots of linear light at the kBorderSamples places along a link, half a half step apart, the
-/// third one at the nearer sample, at its depth.
+/// Roots of linear light at the kBorderSamples places along a link at the nearer sample's depth, a
+/// quarter of a ToF pixel apart; the third is at the nearer sample.
 Colors colors_along(const WarpParams& p, const Image<Rgbx16>& plate, glm::vec2 ray,
                     glm::vec2 half_step, float w) {
   const glm::mat3 turn(p.camera_from_tof);
@@ -43,8 +43,9 @@ Colors colors_along(const WarpParams& p, const Image<Rgbx16>& plate, glm::vec2 r
   return out;
 }
 
-/// Each side's colour is the mean of two samples at its end. Of each sample the share of the nearer
-/// side follows from both, as in the matte; their sum is the place of the border.
+/// Finds the border: each side's colour is the mean of two samples at its end; the share of the
+/// nearer side in each sample follows from both, as in the matte; the sum of the shares is the
+/// border's place.
 ColorBorder border_of(const Colors& colors) {
   const glm::vec3 near = 0.5F * (colors[0] + colors[1]);
   const glm::vec3 far = 0.5F * (colors[kBorderSamples - 2] + colors[kBorderSamples - 1]);
@@ -67,7 +68,7 @@ ColorBorder border_of(const Colors& colors) {
   return {0.5F * sum - 0.75F, sure};
 }
 
-/// Of the link from (x, y) to (x + dx, y + dy), which does not hold.
+/// Border on the link from (x, y) to (x + dx, y + dy), which does not hold.
 ColorBorder find_border(const WarpParams& params, const Image<glm::vec2>& tof_ray,
                         const TofGrid& grid, const Image<Rgbx16>& plate, int x, int y, int dx,
                         int dy) {

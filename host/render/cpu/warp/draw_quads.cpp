@@ -13,18 +13,18 @@ namespace {
 using Floats = QuadBatch::Row;
 using Ints = std::array<std::int32_t, QuadBatch::kCapacity>;
 
-/// x dx + y dy + c at (dx, dy) from corner 0, of each quad.
+/// Function x dx + y dy + c at (dx, dy) from corner 0, of each quad.
 struct alignas(64) Affines {
   Floats x, y, c;
 };
 
-/// Each quad, prepared for drawing.
+/// Quads prepared for drawing.
 struct alignas(64) SetUp {
-  Ints x0, y0, x1, y1;            ///< pixels whose centres it may cover, both ends included
+  Ints x0, y0, x1, y1;            ///< pixels whose centres it may cover, inclusive
   Affines ab, bc, cd, da, ac;     ///< distance (times length) to the sides, positive inside
   Affines w_abc, w_acd;           ///< inverse depth over the triangles
-  Floats border_abc, border_acd;  ///< least distance to the sides; infinite for a back
-  std::array<int, QuadBatch::kCapacity> visible;  ///< numbers of the quads that reach the band
+  Floats border_abc, border_acd;  ///< least distance to the sides; infinite for a back face
+  std::array<int, QuadBatch::kCapacity> visible;  ///< indices of the quads that reach the band
   int visible_count = 0;
 };
 
@@ -57,7 +57,7 @@ void set_triangle(const VertexLanes& a, const VertexLanes& b, const VertexLanes&
   put(border, first, area > 0 ? FloatLanes{} + kBorder : FloatLanes{} + kNever);
 }
 
-/// Pixels whose centres lie in [low, high] and in [begin, end); none: first > last. The range
+/// Pixels whose centres lie in [low, high] and in [begin, end); if none, first > last. The range
 /// stays inside for any input.
 void set_range(FloatLanes low, FloatLanes high, int begin, int end, IntLanes visible, int first,
                Ints& out_first, Ints& out_last) {
@@ -104,7 +104,7 @@ void set_up(const QuadBatch& quads, const Band& band, SetUp& out) {
   }
 }
 
-/// Rows of a block that fill a register; lanes lie row by row.
+/// Rows of a block that fill a register; lanes hold them row by row.
 constexpr int kRows = kLanes / 4;
 template <int... kLane>
 constexpr FloatLanes lane_x(std::integer_sequence<int, kLane...>) {
@@ -129,7 +129,7 @@ void raise(float* at, std::ptrdiff_t stride, FloatLanes w, std::integer_sequence
    ...);
 }
 
-/// The quad's numbers, each in a scalar.
+/// The coefficients of one quad as scalars.
 struct Plane {
   Plane(const Affines& of, std::size_t k) : x(of.x[k]), y(of.y[k]), c(of.c[k]) {}
   FloatLanes at(FloatLanes dx, FloatLanes dy) const { return dx * x + (dy * y + c); }
@@ -145,8 +145,8 @@ void draw(const SetUp& s, std::size_t k, float u0, float v0, int cut, const Band
     const int top = std::min(y, band.last_y);
     const float to_top = static_cast<float>(top) - v0;
     const float last_dy = static_cast<float>(s.y1[k] - top) + to_top;
-    // Rows outside, columns inside: g++ fuses a product with a sum in the same loop body only, and
-    // so every width of registers rounds alike.
+    // Rows outside, columns inside: g++ fuses a product and a sum only in the same loop body, so
+    // every register width rounds alike.
     for (int row = 0; row < 4 && top + row <= s.y1[k]; row += kRows) {
       const FloatLanes dy = kLaneY + static_cast<float>(row) + to_top;
       const IntLanes in_rows = dy <= last_dy;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Quads of the warp's mesh: set up a run at a time, drawn in blocks of 4x4 pixels, nearest first.
+// Draws quads of the warp's mesh: set up in batches, drawn in blocks of 4x4 pixels, nearest surface
+// kept.
 #pragma once
 
 #include <array>
@@ -8,12 +9,13 @@
 
 namespace mixrig::render::cpu {
 
-/// A vertex in the view; w is its inverse depth, 0: not there.
+/// A vertex in the view, pixels; w: inverse depth, 0: unknown.
 struct Vertex {
   float u, v, w;
 };
 
-/// Blocks of 4x4 pixels are written whole: the view's image has this margin to the right and below.
+/// Margin of the view's image to the right and below, because blocks of 4x4 pixels are written
+/// whole.
 inline constexpr int kViewMargin = 3;
 inline Size with_margin(Size size) { return {size.width + kViewMargin, size.height + kViewMargin}; }
 
@@ -23,24 +25,24 @@ struct Band {
   int y0, y1, width, last_y;
 };
 
-/// Quads to draw, one array a number, so that they are set up side by side.
+/// Quads to draw, stored as one array a coordinate, so that they are set up in parallel.
 struct QuadBatch {
   static constexpr int kCapacity = 32;
   using Row = std::array<float, kCapacity>;
 
   bool full() const { return count == kCapacity; }
-  /// Four corners in order around; precondition: not full.
+  /// Adds a quad by its four corners in order around. Precondition: not full.
   void push(const std::array<Vertex, 4>& corners);
 
-  /// Of corner 0 to 3. A quad whose u are all negative is not drawn.
+  /// Of corners 0 to 3. A quad whose u are all negative is not drawn.
   alignas(64) std::array<Row, 4> u_px, v_px, w;
   int count = 0;
 };
 
 /// Draws both triangles of each quad (corners 0-1-2 and 0-2-3) that shows its front, where it is
-/// nearer than what is there. `cut` marks what they draw (from_cut_cell). Both include their
-/// borders: the nearest-surface test makes double coverage harmless and no crack stays between
-/// neighbours. Rows of the band only.
+/// nearer than `view_w`. `cut` marks the pixels (from_cut_cell). Both triangles include their
+/// borders: the nearest-surface test makes double coverage harmless, and no crack is left. Writes
+/// rows of the band only.
 void draw_quads(const QuadBatch& quads, bool cut, const Band& band, Image<float>& view_w);
 
 }  // namespace mixrig::render::cpu

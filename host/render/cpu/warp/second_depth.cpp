@@ -11,7 +11,7 @@ namespace {
 
 constexpr auto kNearestZ_m = static_cast<float>(kNearestM);
 
-/// The first `count` lanes; 0 in the others.
+/// Loads the first `count` lanes; 0 in the others.
 FloatLanes load_first(const float* from, int count) {
   FloatLanes v{};
   std::memcpy(&v, from, sizeof(float) * static_cast<std::size_t>(count));
@@ -21,7 +21,7 @@ void store_first(float* to, FloatLanes v, int count) {
   std::memcpy(to, &v, sizeof(float) * static_cast<std::size_t>(count));
 }
 
-/// Surface points in the picture of the other camera.
+/// Surface points in the other camera's picture.
 struct SeenLanes {
   IntLanes inside;
   FloatLanes x, y, z_m;
@@ -70,8 +70,8 @@ SeenLanes Agreement::look(int x, int y, int count, FloatLanes z) const {
   return {inside, inside ? px : FloatLanes{}, inside ? py : FloatLanes{}, at_z};
 }
 
-/// Whether all 4x4 pixels around are known and beyond a limit. `corner`: index of the upper left
-/// one of the inner four.
+/// Whether all 4x4 pixels around are known and beyond a limit. `corner`: index of the upper left of
+/// the inner four.
 bool Agreement::looks_through(std::int32_t corner, float limit_m) const {
   const float* at = other_z_m_ + corner;
   float nearest = *at;

@@ -7,15 +7,15 @@
 namespace mixrig::render::cpu {
 namespace {
 
-/// Place in the view, px from its centre; (0, 0) where the point is not before the camera.
+/// Place in the view, px from its centre; (0, 0) if the point is not before the camera.
 glm::vec2 place_px(const WarpParams& p, glm::vec2 ray, float w) {
   const glm::vec3 q =
       glm::mat3(p.camera_from_tof) * glm::vec3(ray, 1) + glm::vec3(p.camera_from_tof[3]) * w;
   return q.z > 0 ? p.view.focal_px * glm::vec2(q) / q.z : glm::vec2(0);
 }
 
-/// The nearer surface's share of a ToF pixel at a step, by what it measured, z_m: `pure` where it
-/// saw one surface, or what is neither of them nor between.
+/// Share of the nearer surface in a ToF pixel at a step, from its measurement z_m: `pure` if it saw
+/// one surface, or a depth that is neither of them nor between.
 float near_share(float z_m, float near_m, float far_m, float pure) {
   if (!(z_m > 0)) return kHoleShare;
   const float by_phase = (far_m - z_m) / (far_m - near_m);
@@ -27,8 +27,8 @@ float near_share(float z_m, float near_m, float far_m, float pure) {
   return std::abs(share - pure) < kMixedShare ? pure : share;
 }
 
-/// By how much the nearer surface's border lies farther out than midway between two samples, in
-/// halves of a step. `near_z_m`, `far_z_m`: what the pixels on either side measured.
+/// By how much the border of the nearer surface lies farther out than midway between two samples,
+/// in halves of a ToF pixel. `near_z_m`, `far_z_m`: what the pixels on either side measured.
 float border_shift(float near_m, float far_m, float near_z_m, float far_z_m) {
   if (far_m - near_m < kSharePartOfDepth * near_m) return 0;
   return 2 * (near_share(near_z_m, near_m, far_m, 1) + near_share(far_z_m, near_m, far_m, 0) - 1);
@@ -36,7 +36,8 @@ float border_shift(float near_m, float far_m, float near_z_m, float far_z_m) {
 
 }  // namespace
 
-/// Towards what is farther: by how much the border is seen before or beside that.
+/// Extension towards a farther neighbour, by whether the view sees a gap or an overlap at the
+/// border.
 float SurfaceReach::by_sight(int x, int y, int dx, int dy, float w, float other_w) const {
   const glm::vec2 ray = tof_ray_.row(y)[x], other = tof_ray_.row(y + dy)[x + dx];
   const glm::vec2 border_ray = std::isnan(other.x) ? ray : ray + 0.5F * (other - ray);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far the surface of a ToF sample reaches past it, where the next sample shows another one.
+// How far the surface of a ToF sample is extended past it, towards a sample of another surface.
 #pragma once
 
 #include "host/render/cpu/plate/correct.h"
@@ -10,13 +10,13 @@ namespace mixrig::render::cpu {
 
 class SurfaceReach {
  public:
-  /// `colors` may be null: the plate is not known.
+  /// `colors` may be null: the plate is not used.
   SurfaceReach(const WarpParams& params, const Image<glm::vec2>& tof_ray, const TofGrid& grid,
                const ColorBorders* colors)
       : params_(params), tof_ray_(tof_ray), grid_(grid), colors_(colors) {}
 
-  /// From known sample (x, y) towards its neighbour at (x + dx, y + dy), which lies in the picture:
-  /// along x or y. In halves of a step; 1 where both are of one surface.
+  /// Extension from the known sample (x, y) towards its neighbour (x + dx, y + dy) inside the
+  /// picture, along x or y. In halves of a ToF pixel; 1 if both are of one surface.
   float towards(int x, int y, int dx, int dy) const;
 
  private:

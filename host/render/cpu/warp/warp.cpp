@@ -52,14 +52,14 @@ struct Mesh {
   const std::uint8_t* links(int x, int y) const { return grid.links.row(y + kFrame) + x + kFrame; }
 };
 
-/// Bits of a cell's links that hold where the cell is whole.
+/// Whether all links of a cell hold.
 bool is_whole(const std::uint8_t* links, std::ptrdiff_t stride) {
   constexpr int kFirst = kRight | kDown | kDownRight, kSecond = kDown | kDownLeft;
   return ((links[0] & kFirst) == kFirst) & ((links[1] & kSecond) == kSecond) &
          ((links[stride] & kRight) != 0);
 }
 
-/// Corners of up to kLanes whole cells from (x, y) on, split along the diagonal with the smaller
+/// Adds up to kLanes whole cells from (x, y) on, each split along the diagonal with the smaller
 /// change of w. `drawn` is -1 for those that exist.
 void put_whole(const Mesh& mesh, int x, int y, IntLanes drawn, std::size_t first, QuadBatch& out) {
   const float* w = mesh.grid.w.row(y + kFrame) + x + kFrame;
@@ -94,7 +94,7 @@ float gradient(const float* w, const std::uint8_t* links, std::ptrdiff_t d_w,
   return ahead && behind ? 0.5F * sum : sum;
 }
 
-/// Draws cut cells, a batch at a time.
+/// Collects cut cells and draws them a batch at a time.
 class CutCells {
  public:
   CutCells(const Mesh& mesh, const Band& band, Image<float>& view_w)
@@ -124,7 +124,8 @@ class CutCells {
   QuadBatch quads_;
 };
 
-/// The quarter of the cell next to vertex (x, y), towards (x + right, y + down), each +1 or -1.
+/// Adds the quarter of the cell next to vertex (x, y), towards (x + right, y + down), each +1 or
+/// -1.
 void CutCells::add_quarter(int x, int y, int right, int down) {
   const Vertex own = mesh_.vertex(x, y);
   if (!(own.w > 0)) return;
@@ -155,7 +156,7 @@ void CutCells::add_quarter(int x, int y, int right, int down) {
   if (quads_.full()) draw();
 }
 
-/// Cells (x0, y) to (x1 - 1, y), at most kRunCells.
+/// Draws the cells (x0, y) to (x1 - 1, y), at most kRunCells.
 void draw_run(const Mesh& mesh, int x0, int x1, int y, const Band& band, CutCells& cut_cells,
               Image<float>& view_w) {
   const std::uint8_t* links = mesh.links(x0, y);
@@ -173,7 +174,7 @@ void draw_run(const Mesh& mesh, int x0, int x1, int y, const Band& band, CutCell
     if (whole[static_cast<std::size_t>(x - x0)] == 0) cut_cells.add(x, y);
 }
 
-/// View rows that the known vertices of each run of cells span.
+/// Finds the view rows that the known vertices of each run of cells span.
 void span_row(int y, WarpScratch& out) {
   constexpr float kMax = std::numeric_limits<float>::max();
   for (int run = 0; run < out.runs; ++run) {

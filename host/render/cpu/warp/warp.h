@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass warp: the ToF grid as a mesh in the view, nearest surface first.
+// Pass warp: draws the ToF grid as a mesh into the view, nearest surface kept.
 #pragma once
 
 #include <bit>
@@ -13,32 +13,32 @@
 
 namespace mixrig::render::cpu {
 
-/// The lowest bit of an inverse depth is set where a cut cell drew it: the test for the nearest
-/// surface stays one maximum of one word.
+/// Whether a cut cell drew a pixel. The lowest bit of its inverse depth says so: then the test for
+/// the nearest surface is one maximum of one word.
 inline bool from_cut_cell(float w) { return std::bit_cast<std::uint32_t>(w) & 1U; }
 
-/// Vertices of the mesh in the view, and what bands need to find their cells.
+/// Vertices of the mesh in the view, and the rows that bands need to find their cells.
 struct WarpScratch {
-  /// `by_plate`: warp() is given a plate.
+  /// `by_plate`: warp() will be given a plate.
   explicit WarpScratch(Size tof_size, bool by_plate = false);
-  struct RowSpan {  ///< rows of the view that a run of cells may touch
+  struct RowSpan {  ///< view rows that a run of cells may touch
     float v_min, v_max;
   };
   Size size;                   ///< of the ToF picture
   Image<float> u_px, v_px, w;  ///< of each ToF pixel in the view; w 0: unknown; rows are padded
   std::vector<RowSpan> spans;  ///< [cell row][run of kRunCells]
-  ColorBorders colors;         ///< empty where no plate is given
-  int runs = 0;                ///< a row
+  ColorBorders colors;         ///< empty without a plate
+  int runs = 0;                ///< runs a cell row
 };
 inline constexpr int kRunCells = QuadBatch::kCapacity;
 
-/// What the view holds before.
+/// Content of the view before warp().
 enum class Before { kNothing, kSurfaces };
 
-/// Fills the view with the inverse depth of the nearest surface, 0 unknown; `before` may be that of
-/// other grids. `view_w` is kViewMargin wider and higher than the view. Borders lie where the
-/// colours of `plate` (of the view) change, where `scratch` is made for that; null: it is not
-/// known.
+/// Fills the view with the inverse depth of the nearest surface, 0 unknown; with Before::kSurfaces
+/// it keeps nearer surfaces of other grids. `view_w` is kViewMargin wider and higher than the view.
+/// `plate` lies in the view; borders follow its colours if `scratch` was made for that. Null: no
+/// plate.
 void warp(Crew& crew, const Tables& tables, const TofGrid& grid, WarpScratch& scratch,
           Image<float>& view_w, Before before = Before::kNothing,
           const Image<Rgbx16>* plate = nullptr);

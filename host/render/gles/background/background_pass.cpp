@@ -20,13 +20,13 @@ Result<void> check_sizes(const BackgroundModel& from) {
                            largest.width, largest.height, most_px)};
 }
 
-/// Uniforms of common/view.glsl.
+/// Sets the uniforms of common/view.glsl.
 void set_rays(const Step& step, const Tables& tables) {
   step.program.set("focal_px", tables.warp.view.focal_px);
   step.program.set("center_px", tables.warp.view.center_px);
 }
 
-/// Uniforms of common/view.glsl, and of common/model.glsl that hold for a take.
+/// Sets the uniforms of common/view.glsl, and those of common/model.glsl that hold for a take.
 void set_model(const Step& step, const Tables& tables, const ModelTables& model, std::size_t faces,
                bool several) {
   set_rays(step, tables);
@@ -189,7 +189,7 @@ void BackgroundPass::draw_surfaces(const geometry::Pose& world_from_camera) {
 
 namespace {
 
-/// Of several models a pixel keeps what the one with the largest depth value wrote.
+/// Depth test for several models: a pixel keeps what the model with the largest depth value wrote.
 void keep_best(bool first) {
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(first ? GL_ALWAYS : GL_GREATER);

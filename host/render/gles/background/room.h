@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The real room behind people as textures: learned once, or drawn for each pose from its models.
+// Textures of the real room behind people: learned once, or drawn for each pose from its models.
 #pragma once
 
 #include <optional>
@@ -12,34 +12,35 @@
 
 namespace mixrig::render::gles {
 
-/// Memory of one compositor. Textures are empty where the scene has no such image.
+/// Used by one compositor. Textures are empty where the scene has no such image.
 class Room {
  public:
   Room() = default;
-  /// Sets tables.has_background. Errors: those of BackgroundPass.
+  /// Creates the textures and sets tables.has_background. Errors: those of BackgroundPass.
   static Result<Room> create(const CompositorSetup& setup, Tables& tables,
                              std::span<const ExposureMeter::Place> places);
-  /// Another view of the same size.
+  /// Sets another view of the same size.
   void set_view(const Tables& tables, const CompositorSetup& setup);
-  /// Draws the models for a pose, and `meter` learns their colours; not where it was learned once.
-  /// `with_light`: the frame shows objects.
+  /// Draws the models for a pose and gives `meter` their colours; does nothing for a background
+  /// that was learned once. `with_light`: the frame shows objects.
   void draw(const geometry::Pose& world_from_camera, bool with_light, ExposureMeter& meter,
             StageTimer& timer);
 
   bool is_drawn() const { return drawn_.has_value(); }
   LearnedColor has_color() const { return has_color_; }
-  /// Where a frame has objects, steps of what was learned once are those of its colours.
+  /// Depth of the background. With objects, a depth that was learned once has its steps at colour
+  /// edges.
   const Texture& depth_m(bool has_objects) const {
     if (drawn_) return drawn_->depth_m();
     return has_objects || learned_m_.size.empty() ? depth_m_ : learned_m_;
   }
-  /// The surface that light falls on; null where there is none.
+  /// Depth of the surface on which light is computed; null if there is none.
   const Texture* light_m() const {
     return drawn_ ? &drawn_->light_m() : has_depth_ ? &light_m_ : nullptr;
   }
   const Texture& color() const { return drawn_ ? drawn_->learned() : color_; }
   const Texture& color_sigma() const { return drawn_ ? drawn_->learned_sigma() : color_sigma_; }
-  /// Of this frame; null: those of the take.
+  /// Normals and key limit of this frame; null: those of the take hold.
   const Texture* normal() const { return drawn_ ? &drawn_->normal() : nullptr; }
   const Texture* limit_w() const { return drawn_ ? &drawn_->limit_w() : nullptr; }
 
@@ -47,7 +48,7 @@ class Room {
   bool has_depth_ = false;
   LearnedColor has_color_;
   Texture depth_m_, light_m_, color_, color_sigma_;
-  Texture learned_m_;  ///< depth as it was learned, where frames without objects have another
+  Texture learned_m_;  ///< depth as learned, if frames with objects use another one
   std::optional<BackgroundPass> drawn_;
 };
 

@@ -11,7 +11,7 @@
 namespace mixrig::render::gles {
 namespace {
 
-/// A whole word of a list that spaces separate.
+/// Whether a space-separated list contains a whole word.
 bool contains_word(const char* list, std::string_view word) {
   const std::string_view text = list ? list : "";
   for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) {
@@ -44,7 +44,7 @@ EGLDisplay platform_display(EGLenum platform, void* native) {
   return get ? get(platform, native, nullptr) : EGL_NO_DISPLAY;
 }
 
-/// The EGL devices; writes at most `devices.size()` and returns how many.
+/// Lists the EGL devices; writes at most `devices.size()` and returns how many.
 std::size_t query_devices(std::array<EGLDeviceEXT, 8>& devices) {
   const auto query =
       reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));
@@ -124,7 +124,7 @@ EglContext& EglContext::operator=(EglContext&& other) noexcept {
   return *this;
 }
 
-// The display is shared by all contexts of the process, so it is never terminated here.
+// All contexts of the process share the display, so it is never terminated here.
 EglContext::~EglContext() {
   if (context_ == EGL_NO_CONTEXT) return;
   release();
@@ -160,7 +160,7 @@ bool may_have_gpu(const std::filesystem::path& dev) {
   for (auto at = std::filesystem::directory_iterator(dev / "dri", code);
        at != std::filesystem::directory_iterator(); at.increment(code))
     if (at->path().filename().string().starts_with("renderD")) return true;
-  // Drivers of vendors that have no node there, or not in every container.
+  // Device files of vendors' drivers that have no node in dev/dri, or not in every container.
   constexpr std::array<std::string_view, 7> kNames = {
       "nvidiactl", "nvhost-gpu", "mali0", "kgsl-3d0", "galcore", "pvr_sync", "dxg"};
   return std::any_of(kNames.begin(), kNames.end(), [&](std::string_view name) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An OpenGL ES 3.1 context without a window.
+// Creates and owns an OpenGL ES 3.1 context without a window.
 #pragma once
 
 #include <filesystem>
@@ -14,15 +14,15 @@
 
 namespace mixrig::render::gles {
 
-/// Owns display connection and context. On one thread at a time: release() there before another one
-/// makes it current.
+/// Owns display connection and context. May be current in one thread at a time: call release()
+/// there before another thread makes it current.
 class EglContext {
  public:
-  /// Tries EGL_MESA_platform_surfaceless, then the EGL devices, then the default display, and
-  /// makes the first context that holds GLES 3.1 and float colour buffers current. Errors: kDevice
-  /// where no display, or kUnsupported where no display offers that; the line names each attempt.
+  /// Tries EGL_MESA_platform_surfaceless, then the EGL devices, then the default display, and makes
+  /// the first context with GLES 3.1 and float colour buffers current. Errors: kDevice if there is
+  /// no display, kUnsupported if none offers that; the message names each attempt.
   static Result<EglContext> create();
-  /// One whose objects are those of a screen's context as well. Errors: as create().
+  /// Creates a context that shares its objects with a screen's context. Errors: those of create().
   static Result<EglContext> create_sharing(const GlShare& share);
 
   EglContext(EglContext&& other) noexcept { *this = std::move(other); }
@@ -31,13 +31,13 @@ class EglContext {
 
   /// Binds the context to this thread. Errors: kDevice.
   Result<void> make_current() const;
-  /// Leaves this thread without a context, where this one is current.
+  /// If this context is current in the calling thread, leaves the thread without a context.
   void release() const;
-  /// GL_RENDERER, "llvmpipe (LLVM 15.0.6, 256 bits)".
+  /// Returns GL_RENDERER, such as "llvmpipe (LLVM 15.0.6, 256 bits)".
   std::string renderer() const;
-  /// Precondition: current.
+  /// Whether GL has the extension. Precondition: the context is current.
   bool has_extension(std::string_view name) const;
-  /// Of EGL, for its display.
+  /// Whether EGL has the extension for this display.
   bool has_display_extension(std::string_view name) const;
   EGLDisplay display() const { return display_; }
 
@@ -49,11 +49,11 @@ class EglContext {
   EGLContext context_ = EGL_NO_CONTEXT;
 };
 
-/// Whether the system has a GPU's device file in `dev`: without, GL is software, which need not be
-/// loaded to know that (Mesa's takes 60 MB).
+/// Whether `dev` holds a GPU's device file. Without one GL can only be software, and need not be
+/// loaded to find out (Mesa's takes 60 MB).
 bool may_have_gpu(const std::filesystem::path& dev = "/dev");
 
-/// Whether a GL_RENDERER draws on the processor, so that the cpu back end is the faster one.
+/// Whether a GL_RENDERER is a software renderer, so that the cpu back end is faster.
 bool is_software(std::string_view renderer);
 
 }  // namespace mixrig::render::gles

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one place where pixels meet OpenGL. Ours: pixel (0,0) is the centre of the top-left pixel, y
-// down. OpenGL's: (0,0) is a corner, and its y grows from the first row in memory. Our first row in
-// memory is the top one, so picture row v is framebuffer row v and texture row v: nothing is
-// flipped, but half a pixel is added, and OpenGL sees all triangles in our own orientation.
+// Conversion between pixel and OpenGL coordinates, in this file only. Ours: pixel (0,0) is the
+// centre of the top-left pixel, y down. OpenGL's: (0,0) is a corner, and y grows from the first row
+// in memory. Our first row in memory is the top one, so picture row v is framebuffer row v and
+// texture row v: nothing is flipped, but half a pixel is added, and triangles keep their
+// orientation.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -11,13 +12,11 @@
 #include "host/render/contract/passes.h"
 
 namespace mixrig::render::gles {
+inline constexpr auto kNearM = static_cast<float>(kNearestM);  ///< nearer surfaces are clipped
 
-inline constexpr auto kNearM = static_cast<float>(kNearestM);  ///< what is nearer is clipped
-
-/// Takes homogeneous points (x, y, z, w) of camera axes to clip space, so that point (x, y, z) / w
-/// lands on its pixel of `camera` in a framebuffer of `size`, and window depth is near / z: 1 at
-/// the near plane, 0 infinitely far. GL_GREATER and a depth cleared to 0
-/// keep the nearest surface.
+/// Matrix from homogeneous camera points (x, y, z, w) to clip space. Point (x, y, z) / w lands on
+/// its pixel of `camera` in a framebuffer of `size`, and window depth is near / z: 1 at the near
+/// plane, 0 infinitely far. GL_GREATER and a depth cleared to 0 keep the nearest surface.
 inline glm::mat4 clip_from_camera(const PinholeParams& camera, Size size) {
   const glm::vec2 scale = 2.0F / glm::vec2(size.width, size.height);
   glm::mat4 m(0);
@@ -31,10 +30,10 @@ inline glm::mat4 clip_from_camera(const PinholeParams& camera, Size size) {
   return m;
 }
 
-/// z of a window depth by clip_from_camera; infinity where nothing was drawn.
+/// z of a window depth made by clip_from_camera; infinity where nothing was drawn.
 inline float z_from_window_depth(float depth) { return kNearM / depth; }
 
-/// The part of a camera's picture that starts at `origin_px`, with `factor` samples a pixel along
+/// Pinhole of the part of a picture that starts at `origin_px`, with `factor` samples a pixel along
 /// each axis, evenly spread: (+-0.25, +-0.25) for two.
 inline PinholeParams window_of(const PinholeParams& camera, glm::vec2 origin_px, float factor) {
   return {camera.focal_px * factor, (camera.center_px - origin_px + 0.5F) * factor - 0.5F};

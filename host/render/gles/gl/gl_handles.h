@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Owners of GL names. They must die while their context is current.
+// Owning wrappers of GL names. They must be destroyed while their context is current.
 #pragma once
 
 #include <utility>
@@ -8,7 +8,7 @@
 
 namespace mixrig::render::gles {
 
-/// One GL name, deleted at the end; 0 owns nothing.
+/// Owns one GL name and deletes it; 0 owns nothing.
 template <void (*kDelete)(GLuint)>
 class Handle {
  public:

@@ -15,7 +15,7 @@ BufferHandle make_buffer(GLenum target, std::span<const T> values) {
   return BufferHandle(name);
 }
 
-/// Of the bound vertex array.
+/// Fills a buffer and makes it attribute `index` of the bound vertex array.
 template <typename T>
 BufferHandle make_attribute(GLuint index, std::span<const T> values) {
   BufferHandle buffer = make_buffer(GL_ARRAY_BUFFER, values);

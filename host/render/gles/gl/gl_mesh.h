@@ -12,8 +12,8 @@ namespace mixrig::render::gles {
 class GpuMesh {
  public:
   explicit GpuMesh(const MeshView& mesh);
-  /// Binds texture, gloss, normal and emission map to units 0 to 3; one white pixel where the mesh
-  /// has none.
+  /// Binds texture, gloss, normal and emission map to units 0 to 3; missing maps are one white
+  /// pixel.
   void bind_maps() const;
   void draw() const;
 

@@ -17,7 +17,7 @@ namespace {
 
 using Files = std::vector<std::string_view>;
 
-/// The driver's log, on one line.
+/// Puts the driver's log on one line.
 std::string one_line(std::string log) {
   while (!log.empty() && (log.back() == '\n' || log.back() == '\0')) log.pop_back();
   for (char& c : log)
@@ -25,7 +25,7 @@ std::string one_line(std::string log) {
   return log;
 }
 
-/// A stage of a program, by its name in shaders/.
+/// A stage of a program, named as in shaders/.
 struct NamedStage {
   GLenum kind;
   std::string_view name;
@@ -75,7 +75,8 @@ std::string driver_text(GLenum what) {
   return text == nullptr ? "" : reinterpret_cast<const char*>(text);
 }
 
-/// Of driver and stages; nothing where the driver gives no binaries or no folder is known.
+/// Path and key of a program's file for this driver and these stages; nullopt if the driver gives
+/// no binaries or there is no folder.
 std::optional<std::filesystem::path> path_of(NamedStages stages, std::uint64_t& key) {
   GLint formats = 0;
   glGetIntegerv(GL_NUM_PROGRAM_BINARY_FORMATS, &formats);
@@ -92,7 +93,8 @@ std::optional<std::filesystem::path> path_of(NamedStages stages, std::uint64_t& 
   return folder / name.data();
 }
 
-/// What an earlier run kept; no name where there is nothing that this driver takes.
+/// Loads a program kept by an earlier run; an empty handle if there is none that this driver
+/// accepts.
 ProgramHandle load(const std::filesystem::path& path, std::uint64_t key) {
   const std::string file = read_program_file(path);
   const std::optional<ProgramBinary> binary = from_program_file(key, file);
@@ -101,11 +103,11 @@ ProgramHandle load(const std::filesystem::path& path, std::uint64_t key) {
   glProgramBinary(program.get(), binary->format, binary->bytes.data(),
                   static_cast<GLsizei>(binary->bytes.size()));
   if (is_linked(program)) return program;
-  (void)glGetError();  // of a format that the driver no longer has
+  (void)glGetError();  // clears the error of a format that the driver no longer has
   return {};
 }
 
-/// A file that cannot be written is only slower the next time.
+/// Writes a program's file; failing to write only makes the next start slower.
 void keep(const ProgramHandle& program, const std::filesystem::path& path, std::uint64_t key) {
   GLint size = 0;
   glGetProgramiv(program.get(), GL_PROGRAM_BINARY_LENGTH, &size);

@@ -16,13 +16,14 @@
 
 namespace mixrig::render::gles {
 
-/// A linked program. Uniforms keep what was set until it is set anew.
+/// A linked program. Uniforms keep their values until they are set again.
 class Program {
  public:
   Program() = default;
   explicit Program(ProgramHandle handle) : handle_(std::move(handle)) {}
   void use() const { glUseProgram(handle_.get()); }
-  /// Looked up once, when a pass is made; -1, which GL ignores, for an unknown name.
+  /// Location of a uniform, to be looked up once when a pass is made; -1, which GL ignores, for an
+  /// unknown name.
   GLint location(const std::string& name) const {
     return glGetUniformLocation(handle_.get(), name.c_str());
   }
@@ -40,17 +41,17 @@ class Program {
   ProgramHandle handle_;
 };
 
-/// Two stages of shaders/, compiled and linked, or as an earlier run has kept the program in
-/// program_folder() for the same driver and text; what is built is kept. A file that is damaged or
-/// that the driver refuses is built again. Errors: kDevice, with file, line and log.
+/// Compiles and links two stages of shaders/, or loads the program from program_folder() if an
+/// earlier run kept it for the same driver and text; new programs are kept there. A damaged or
+/// refused file is rebuilt. Errors: kDevice, with file, line and log.
 Result<Program> make_program(std::string_view vertex_stage, std::string_view fragment_stage);
-/// A compute program. Errors as above.
+/// Builds or loads a compute program in the same way. Errors: kDevice, with file, line and log.
 Result<Program> make_program(std::string_view compute_stage);
-/// One stage from text. Errors as above.
+/// Compiles one stage from text. Errors: kDevice, with file, line and log.
 Result<ShaderHandle> compile(GLenum kind, std::string_view text, std::string_view name,
                              const std::vector<std::string_view>& files);
 
-/// Of the program in use.
+/// These set a uniform of the program in use.
 inline void set_uniform(GLint at, bool v) { glUniform1i(at, v ? 1 : 0); }
 inline void set_uniform(GLint at, int v) { glUniform1i(at, v); }
 inline void set_uniform(GLint at, float v) { glUniform1f(at, v); }

@@ -4,7 +4,7 @@
 namespace mixrig::render::gles {
 namespace {
 
-constexpr int kBlocksUnit = 6;        // shaders/blocks.vert
+constexpr int kBlocksUnit = 6;        // of shaders/blocks.vert
 constexpr int kVerticesOfABlock = 6;  // two triangles
 
 void prepare(const Target& target, const Step& step, std::initializer_list<const Texture*> inputs) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One draw that computes pictures from pictures: what most passes are made of.
+// A full-screen draw that computes pictures from pictures; most passes consist of such steps.
 #pragma once
 
 #include <initializer_list>
@@ -14,20 +14,21 @@ struct Step {
   Target target;
 };
 
-/// Draws `fragment_stage` over all of `outputs`, with a depth texture or none. Errors: as
-/// make_program and make_target.
+/// Makes a step that draws `fragment_stage` over all of `outputs`, optionally with a depth texture.
+/// Errors: those of make_program and make_target.
 Result<Step> make_step(const char* fragment_stage, std::initializer_list<const Texture*> outputs,
                        const Texture* depth = nullptr);
-/// Draws only blocks with some flags (shaders/blocks.vert); a block is `pitch_px` wide.
+/// Makes a step that draws only blocks with all `wanted_flags` (shaders/blocks.vert); a block is
+/// `pitch_px` wide. Errors: those of make_step.
 Result<Step> make_block_step(const char* fragment_stage,
                              std::initializer_list<const Texture*> outputs, int wanted_flags,
                              int pitch_px);
 
 /// Draws a step with these inputs on units 0, 1, ...; null leaves a unit as it is.
 void run(const Step& step, std::initializer_list<const Texture*> inputs);
-/// The same into another target than the step's own.
+/// Draws a step into another target than its own.
 void run_into(const Target& target, const Step& step, std::initializer_list<const Texture*> inputs);
-/// The same for a block step; `blocks` holds the flags.
+/// Draws a block step; `blocks` holds the flags.
 void run_blocks(const Step& step, const Texture& blocks,
                 std::initializer_list<const Texture*> inputs);
 

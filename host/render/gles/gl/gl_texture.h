@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Textures and targets. Row 0 of an image is row 0 of a texture
-// and of a framebuffer (gl_convention.h), so nothing is ever flipped.
+// Textures and render targets. Row 0 of an image is row 0 of its texture and framebuffer
+// (gl_convention.h), so nothing is flipped.
 #pragma once
 
 #include <initializer_list>
@@ -22,13 +22,15 @@ struct Texture {
 
 enum class Sampling { kNearest, kLinear, kRepeat };
 
-/// Immutable storage, clamped to the edge; kRepeat is linear and repeats. Content undefined.
+/// Makes a texture with immutable storage, clamped to the edge; kRepeat samples linearly and
+/// repeats. Its content is undefined.
 Texture make_texture(Size size, GLenum internal_format, Sampling sampling = Sampling::kNearest);
 
-/// A name without storage, bound: the next call gives it some. Nearest, clamped to the edge.
+/// Makes and binds a texture without storage, which the next call must give it. Nearest sampling,
+/// clamped to the edge.
 Texture make_unsized_texture(Size size, GLenum internal_format);
 
-/// Rows of any stride into all of a texture of the same size.
+/// Copies an image, of any stride, into a texture of the same size.
 void upload(const Texture& texture, ImageView<const float> image);         // GL_R32F
 void upload(const Texture& texture, ImageView<const glm::vec2> image);     // GL_RG32F
 void upload(const Texture& texture, ImageView<const Rgb8> image);          // GL_SRGB8, GL_RGB8
@@ -37,7 +39,7 @@ void upload(const Texture& texture, ImageView<const Rgbf> image);          // GL
 void upload(const Texture& texture, ImageView<const PackedNormal> image);  // GL_RGBA8_SNORM
 void upload(const Texture& texture, ImageView<const std::uint8_t> image);  // GL_R8
 
-/// A texture that holds an image; T may be const.
+/// Makes a texture that holds an image; T may be const.
 template <typename T>
 Texture make_texture(ImageView<T> image, GLenum internal_format,
                      Sampling sampling = Sampling::kNearest) {
@@ -46,18 +48,18 @@ Texture make_texture(ImageView<T> image, GLenum internal_format,
   return texture;
 }
 
-/// Binds for sampling.
+/// Binds a texture for sampling on a unit.
 void bind(int unit, const Texture& texture);
 
-/// Colour attachments in order, and a depth texture or none.
+/// A framebuffer with colour attachments in order, and optionally a depth texture.
 struct Target {
   FramebufferHandle handle;
   Size size;
 };
-/// Errors: kUnsupported where the driver cannot draw into these formats.
+/// Makes a target. Errors: kUnsupported where the driver cannot draw into these formats.
 Result<Target> make_target(std::initializer_list<const Texture*> colors,
                            const Texture* depth = nullptr);
-/// Draws go to all of this target from now on.
+/// Directs all later draws to the whole of this target.
 void bind(const Target& target);
 
 }  // namespace mixrig::render::gles

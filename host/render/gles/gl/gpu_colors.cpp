@@ -13,7 +13,7 @@
 namespace mixrig::render::gles {
 namespace {
 
-/// glCopyImageSubData of OpenGL ES 3.2 and GL_EXT_copy_image.
+/// Type of glCopyImageSubData (OpenGL ES 3.2) and glCopyImageSubDataEXT (GL_EXT_copy_image).
 using CopyImage = void (*)(GLuint, GLenum, GLint, GLint, GLint, GLint, GLuint, GLenum, GLint, GLint,
                            GLint, GLint, GLsizei, GLsizei, GLsizei);
 
@@ -34,7 +34,7 @@ bool has_copy_extension() {
   return false;
 }
 
-/// Null where the driver lacks it.
+/// The driver's copy function; null if it has none.
 CopyImage copy_image() {
   const char* const name = is_version_3_2()       ? "glCopyImageSubData"
                            : has_copy_extension() ? "glCopyImageSubDataEXT"
@@ -44,7 +44,7 @@ CopyImage copy_image() {
 
 }  // namespace
 
-/// One of them. Its bytes are sRGB in a format that does not say so: nothing converts them.
+/// A composite of the pool. Its bytes are sRGB in a format without conversion.
 class GpuColor final : public GpuPicture {
  public:
   explicit GpuColor(Size size_px)
@@ -53,11 +53,12 @@ class GpuColor final : public GpuPicture {
   Size size_px() const override { return size_px_; }
   Result<void> copy_to_bound_texture() const override;
   void take(const Texture& color);
-  /// Nothing can be copied afterwards; the compositor's context is current.
+  /// Ends copying: the compositor goes away. Precondition: its context is current.
   void empty();
 
  private:
-  /// A point in the queue of one context that another one waits for. Syncs are shared objects.
+  /// A point in the queue of one context for which another context can wait. Syncs are shared
+  /// objects.
   class QueuePoint {
    public:
     void set() {
@@ -65,7 +66,7 @@ class GpuColor final : public GpuPicture {
       sync_ = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
       glFlush();
     }
-    /// What is queued from now on comes after the point; returns at once.
+    /// Makes everything queued from now on in this context come after the point; returns at once.
     void wait() const {
       if (sync_ != nullptr) glWaitSync(sync_, 0, GL_TIMEOUT_IGNORED);
     }
@@ -78,7 +79,7 @@ class GpuColor final : public GpuPicture {
   };
 
   const Size size_px_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   Texture texture_;
   CopyImage copy_image_;
   QueuePoint written_;

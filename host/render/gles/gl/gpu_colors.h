@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Composites that stay in the GPU's memory, for a screen that shares the compositor's objects.
+// Composites kept in GPU memory, for a screen whose context is shared with the compositor.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,9 @@ namespace mixrig::render::gles {
 
 class GpuColor;
 
-/// As many textures as composites are in use at one time. For the compositor's thread, and its
-/// context is current in all calls and at the end; pictures that outlive it are empty.
+/// A pool of textures, as many as composites are in use at a time. All calls and the destructor
+/// must run in the compositor's thread with its context current; pictures that outlive the pool are
+/// empty.
 class GpuColors {
  public:
   /// Whether the driver has glCopyImageSubData (OpenGL ES 3.2, GL_EXT_copy_image).
@@ -23,8 +24,8 @@ class GpuColors {
   GpuColors& operator=(const GpuColors&) = delete;
   ~GpuColors();
 
-  /// Queues a copy of a texture of four bytes a pixel. Allocates only where more pictures are in
-  /// use than ever before.
+  /// Queues a copy of a texture of four bytes a pixel. Allocates only if more pictures are in use
+  /// than ever before.
   std::shared_ptr<const GpuPicture> copy(const Texture& color);
 
  private:

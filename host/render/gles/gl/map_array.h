@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shadow maps of all lamps.
+// The shadow maps of all lamps, in one texture array.
 #pragma once
 
 #include <vector>
@@ -9,13 +9,14 @@
 
 namespace mixrig::render::gles {
 
-/// GL_TEXTURE_2D_ARRAY of window depths (gl_convention.h: near / z, 0 for nothing), a layer a lamp.
+/// GL_TEXTURE_2D_ARRAY of window depths (gl_convention.h: near / z, 0 for nothing), one layer a
+/// lamp.
 class MapArray {
  public:
-  /// Makes the maps as large as the largest of `lamps`; does nothing where they are. Errors:
-  /// kUnsupported where there is no memory for them.
+  /// Gives the maps the largest size among `lamps`; does nothing if they have it. Errors:
+  /// kUnsupported without memory for them.
   Result<void> allocate(const std::vector<LampParams>& lamps);
-  /// Clears the map of a lamp and draws into it from now on, the nearest surface first.
+  /// Clears the map of a lamp and directs draws to it, keeping the nearest surface.
   void begin(std::size_t lamp) const;
 
   GLuint name() const { return maps_.get(); }  ///< 0 before the first allocate()
@@ -28,7 +29,7 @@ class MapArray {
   std::vector<FramebufferHandle> targets_;
 };
 
-/// Takes lamp axes to clip space of the lamp's map.
+/// Matrix from lamp axes to clip space of the lamp's map.
 glm::mat4 clip_from_lamp(const LampParams& lamp);
 
 }  // namespace mixrig::render::gles

@@ -12,7 +12,7 @@ namespace {
 constexpr std::string_view kMagic = "mixrigp1";
 constexpr std::size_t kMostBytes = std::size_t{16} << 20;
 
-/// What stands before the bytes; of this machine's byte order, which a binary is for.
+/// Header before the bytes, in this machine's byte order, for which a binary is.
 struct Header {
   std::array<char, 8> magic{};
   std::uint64_t key = 0, size = 0, checksum = 0, format = 0;

@@ -7,7 +7,7 @@
 namespace mixrig::render::gles {
 namespace {
 
-/// A bound pixel pack buffer, mapped for reading from here to the end of the block.
+/// Maps the bound pixel pack buffer for reading until the end of the block.
 class Mapping {
  public:
   Mapping(const BufferHandle& buffer, std::size_t bytes) {
@@ -32,8 +32,8 @@ Error not_mapped() {
           "the OpenGL ES driver does not give a picture back: use --backend cpu"};
 }
 
-/// GL_RED where the driver gives it for the attachment that is read; GL_RGBA is what every driver
-/// gives.
+/// GL_RED if the driver reads it from the current attachment, else GL_RGBA, which every driver
+/// offers.
 GLenum first_channel_format(GLenum type) {
   GLint own_format = 0, own_type = 0;
   glGetIntegerv(GL_IMPLEMENTATION_COLOR_READ_FORMAT, &own_format);

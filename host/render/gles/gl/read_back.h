@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The way of pixels out of the GPU, through pixel pack buffers: started when a frame was drawn,
-// fetched when its fence is passed.
+// Copies pixels out of the GPU through pixel pack buffers: started after a frame is drawn, fetched
+// after its fence has passed.
 #pragma once
 
 #include <memory>
@@ -12,23 +12,23 @@
 
 namespace mixrig::render::gles {
 
-/// One attachment of a target on its way to the host. Always used for the same format and size, so
-/// that the buffer is made once.
+/// Copies one attachment of a target to the host. Always used with the same format and size, so
+/// that its buffer is allocated once.
 class ReadBack {
  public:
-  /// Queue a copy of attachment `index` and return at once: floats, bytes, or the bytes of all four
-  /// channels.
+  /// Queues a copy of attachment `index` and returns at once; reads floats, bytes, or bytes of all
+  /// four channels.
   void start_float(const Target& target, int index) { start(target, index, GL_FLOAT, false); }
   void start_byte(const Target& target, int index) {
     start(target, index, GL_UNSIGNED_BYTE, false);
   }
   void start_rgba(const Target& target, int index) { start(target, index, GL_UNSIGNED_BYTE, true); }
 
-  /// Fetch what was started, the first channel of it; wait for the GPU where it is not done yet.
+  /// Fetches the first channel of the started copy; waits for the GPU if it has not finished.
   /// Errors: kDevice where the driver does not map the buffer.
   Result<void> fetch(ImageView<float> out) const { return fetch_first(out); }
   Result<void> fetch(ImageView<std::uint8_t> out) const { return fetch_first(out); }
-  /// The same after start_rgba(): colour and alpha apart; an empty view is not written.
+  /// After start_rgba(): fetches colour and alpha separately; an empty view is not written.
   Result<void> fetch(ImageView<Rgb8> color, ImageView<std::uint8_t> alpha) const;
 
  private:
@@ -38,14 +38,14 @@ class ReadBack {
 
   BufferHandle buffer_;
   Size size_;
-  GLenum format_ = 0;  ///< what the driver reads: GL_RED or GL_RGBA; 0 before the first start
+  GLenum format_ = 0;  ///< read format: GL_RED or GL_RGBA; 0 before the first start
   std::size_t bytes_ = 0;
 };
 
 /// A point in the queue of the GPU.
 class Fence {
  public:
-  /// Everything queued before now lies before the fence; the queue is flushed.
+  /// Inserts the fence after everything queued so far, and flushes the queue.
   void set();
   /// Returns once the GPU has passed the fence. Errors: kTimeout after ten seconds, kDevice where
   /// the context was lost.

@@ -71,7 +71,7 @@ double StageTimer::gpu_ms(std::size_t stage) const {
 }
 
 const StageTimes& StageTimer::finish_frame() {
-  // After a disjoint operation (a change of clock rate) stamps mean nothing: they count as 0.
+  // After a disjoint operation (a change of clock rate) stamps are meaningless and count as 0.
   GLint disjoint = 0;
   if (query_counter_) glGetIntegerv(GL_GPU_DISJOINT_EXT, &disjoint);
   for (std::size_t stage = 0; stage < kStages; ++stage)

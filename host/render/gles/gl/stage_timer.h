@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long each stage of a frame took, and named groups for frame captures.
+// Measures the time of each stage of a frame, and names groups for frame captures.
 #pragma once
 
 #include <array>
@@ -14,10 +14,10 @@
 
 namespace mixrig::render::gles {
 
-/// Times of the stages of one frame. With GL_EXT_disjoint_timer_query the GPU stamps a stage's
-/// begin and end and nothing waits. Without, the wall clock counts: a frame that is alone on the
-/// GPU waits after each stage; in a frame that is queued behind another one, GPU stages only count
-/// what queueing them took. The host's stages always count wall time. Stages do not nest.
+/// Times of the stages of one frame. With GL_EXT_disjoint_timer_query the GPU stamps begin and end
+/// of a stage, without waiting. Otherwise wall time counts: a frame alone on the GPU waits after
+/// each stage; in a frame queued behind another, GPU stages only count the time of queueing. Host
+/// stages always count wall time. Stages do not nest.
 class StageTimer {
  public:
   explicit StageTimer(const EglContext& context);
@@ -31,7 +31,7 @@ class StageTimer {
   /// runs both on the GPU and on the host add up.
   void begin(Stage stage, bool on_host = false);
   void end();
-  /// The times, once the GPU has drawn the frame; a stage that did not run has 0.
+  /// Returns the times once the GPU has drawn the frame; 0 for a stage that did not run.
   const StageTimes& finish_frame();
 
  private:
@@ -40,7 +40,7 @@ class StageTimer {
   double gpu_ms(std::size_t stage) const;
 
   SystemClock clock_;
-  // Null where the driver lacks them.
+  // Entry points of the extensions, null where the driver lacks them.
   PFNGLQUERYCOUNTEREXTPROC query_counter_ = nullptr;
   PFNGLGETQUERYOBJECTUI64VEXTPROC query_result_ = nullptr;
   PFNGLPUSHDEBUGGROUPKHRPROC push_group_ = nullptr;
@@ -53,7 +53,7 @@ class StageTimer {
   StageTimes times_{};
 };
 
-/// Runs a stage from here to the end of the block.
+/// Times a stage from here to the end of the block.
 class StageScope {
  public:
   StageScope(StageTimer& timer, Stage stage, bool on_host = false) : timer_(timer) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numbers of common/tone.glsl in a program.
+// Uniforms of common/tone.glsl in a program.
 #pragma once
 
 #include "host/render/contract/tone_curve.h"
@@ -14,7 +14,7 @@ class ToneUniforms {
       : gain_(program.location("gain")),
         bends_(program.location("tone_bends")),
         slope_(program.location("tone_slope")) {}
-  /// The program is in use.
+  /// Precondition: the program is in use.
   void set(const ToneCurve& tone) const {
     set_uniform(gain_, tone.gain);
     set_uniform(bends_, tone.bends);

@@ -107,7 +107,8 @@ void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
   finish_.program.set("has_learned", has_learned_);
   matte_tone_ = ToneUniforms(finish_.program);
   has_before_ = finish_.program.location("has_before");
-  finish_.program.set("cell_px", 1);  // drivers may divide before they know that nothing is before
+  // Not 0: drivers may divide by it before they check that there is no previous frame.
+  finish_.program.set("cell_px", 1);
   for (const Step* step : {&state_, &blocks_})
     step->program.set("by_volume", params.by == KeyBy::kVolume);
   state_.program.set("noise_factor", params.noise_factor);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass key: people by depth, and by colour where depth is in doubt.
+// Pass key: finds people by depth, and by colour where depth is in doubt.
 #pragma once
 
 #include "host/render/gles/gl/gl_step.h"
@@ -9,45 +9,47 @@ namespace mixrig::render::gles {
 
 /// Inputs of the pass.
 struct KeyInput {
-  const Texture& w;        ///< of WarpPass
-  const Texture& plate;    ///< linear light in the view when sampled
-  const Texture& learned;  ///< the background's colour and its spread, where learned
+  const Texture& w;        ///< from WarpPass
+  const Texture& plate;    ///< in the view; linear light when sampled
+  const Texture& learned;  ///< the background's colour and its sigma, where learned
   const Texture& learned_sigma;
-  ToneCurve tone{};                    ///< ExposureMeter
-  const Texture* limit_w = nullptr;    ///< of this frame; null: that of the take
-  const Texture* shift_px = nullptr;   ///< of PeopleMotion; null: people's depth stays
-  const Texture* motion_px = nullptr;  ///< the same, since the frame of remember(); null: unknown
+  ToneCurve tone{};                   ///< from ExposureMeter
+  const Texture* limit_w = nullptr;   ///< of this frame; null: that of the take
+  const Texture* shift_px = nullptr;  ///< from PeopleMotion; null: people's depth is not moved
+  /// From PeopleMotion, since the frame of remember(); null: unknown.
+  const Texture* motion_px = nullptr;
 };
 
-/// Flags of a block, as in key_band.frag.
+/// Flags of a block, the same as in key_band.frag.
 enum BlockFlags : int { kNear = 1, kBand = 2, kVotes = 4, kHasColor = 8, kMayShowPeople = 16 };
 
-/// What was learned of the background's colour.
+/// Which parts of the background's colour were learned.
 struct LearnedColor {
   bool there = false, with_spread = false;
 };
 
 class KeyPass {
  public:
-  /// Precondition: params.by is not KeyBy::kNothing. Errors: as make_program and make_target.
+  /// Precondition: params.by is not KeyBy::kNothing. Errors: those of make_program and make_target.
   static Result<KeyPass> create(const Tables& tables, LearnedColor learned,
                                 const KeyPassParams& params);
-  /// Frames may have a shift and, with `steady`, a motion, of cells of so many pixels. Errors: as
-  /// create.
+  /// Prepares for frames with a shift and, with `steady`, a motion, for each cell of `cell_px`
+  /// pixels. Errors: those of create().
   Result<void> follow_people(const Tables& tables, int cell_px, bool steady);
-  /// Keeps plate and matte of the last draw(). Precondition: follow_people(), steady.
+  /// Keeps plate and matte of the last draw() for the next frame. Precondition: follow_people()
+  /// with steady.
   void remember(const Texture& plate) const;
-  /// Another view of the same size.
+  /// Sets another view of the same size.
   void set_view(const Tables& tables) const;
   void draw(const KeyPassParams& params, const KeyInput& input) const;
 
   const Texture& matte() const { return matte_; }  ///< GL_R8
-  /// A texel a block of kBlockPx, its BlockFlags as a number in the first channel.
+  /// One texel a block of kBlockPx; its first channel holds BlockFlags as a number.
   const Texture& blocks() const { return band_; }
-  /// A texel a block: mean colour of the background around where none was learned, and its
-  /// variance, 0 where it is not known.
+  /// One texel a block: mean colour of the background around, where none was learned, and its
+  /// variance, 0 where unknown.
   const Texture& room() const { return room_; }
-  const Texture& visible_w() const { return visible_w_; }  ///< GL_R32F, as key_matte.frag has it
+  const Texture& visible_w() const { return visible_w_; }  ///< GL_R32F, from key_matte.frag
   const Target& state_target() const { return state_.target; }
 
  private:
@@ -58,7 +60,7 @@ class KeyPass {
   Texture limit_w_, state_image_, counts_, colors_, rooms_, kept_counts_, kept_colors_, kept_rooms_,
       deep_, band_, person_, room_, person_deep_, votes_, voted_;
   Texture tile_counts_, tile_with_p_, tile_squares_, tile_products_, lines_,
-      people_;  ///< a texel a tile
+      people_;  ///< one texel a tile
   Texture matte_, visible_w_, moved_w_, plate_before_, matte_before_;
   Step move_, keep_, state_, blocks_, speckles_, find_deep_, find_band_, fill_, vote_, decide_,
       sum_tiles_, fit_, finish_;

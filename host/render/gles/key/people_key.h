@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass key from frame to frame: people's depth is brought to the time of the plate, and the matte
-// of the frame before joins that of this one.
+// Pass key over time: people's depth is moved to the time of the plate, and the previous matte is
+// blended in.
 #pragma once
 
 #include <memory>
@@ -11,32 +11,32 @@
 
 namespace mixrig::render::gles {
 
-/// Memory of one compositor.
+/// Used by one compositor.
 class PeopleKey {
  public:
-  /// Borrows `setup`, and `tables` where the key follows people; they hold all images now. Errors:
-  /// as KeyPass.
+  /// Borrows `setup`, and, if the key follows people, `tables`, which must still hold all images.
+  /// Errors: those of KeyPass.
   static Result<PeopleKey> create(const CompositorSetup& setup, const Tables& tables,
                                   LearnedColor learned, const KeyPassParams& params);
-  /// Another view of the same size.
+  /// Sets another view of the same size.
   void set_view(const Tables& tables) { pass_.set_view(tables); }
-  /// Takes how people moved since the frame before, whose `plate`, linear light in the view, is
-  /// still there.
+  /// Estimates how people moved since the previous frame. `plate` must still hold the previous
+  /// frame's plate, linear light in the view.
   void follow(const FrameInput& input, const Texture& plate);
-  /// Draws the matte and people's depth. Shift and motion of `input` are set here;
-  /// `depth_delay_s`: of the frame.
+  /// Draws the matte and people's depth, and sets shift and motion in `input`. `depth_delay_s`:
+  /// delay of the frame's depth.
   void draw(const KeyPassParams& params, double depth_delay_s, KeyInput input);
   const KeyPass& pass() const { return pass_; }
-  /// It looks at plates on the host.
+  /// Whether it needs plates on the host.
   bool follows() const { return followed_ && (key_->motion || key_->steady); }
 
  private:
-  /// Of a camera that stands still.
+  /// State for a camera that stands still.
   struct Followed {
     explicit Followed(const Tables& tables) : motion(tables) {}
     Crew crew;
     PeopleMotion motion;
-    Image<glm::vec2> depth_shift_px;  ///< of its cells
+    Image<glm::vec2> depth_shift_px;  ///< one for each cell of `motion`
     Texture shift_px, motion_px;
   };
   explicit PeopleKey(const KeyParams& key) : key_(&key) {}
@@ -44,7 +44,8 @@ class PeopleKey {
   const KeyParams* key_;
   KeyPass pass_;
   std::unique_ptr<Followed> followed_;
-  bool has_now_ = false, has_before_ = false;  ///< a matte of this frame, and of that before
+  /// A matte of this frame, and of the previous frame, exists.
+  bool has_now_ = false, has_before_ = false;
 };
 
 }  // namespace mixrig::render::gles

@@ -14,12 +14,12 @@
 namespace mixrig::render::gles {
 namespace {
 
-constexpr int kMapUnit = 7;        // common/lamps.glsl
-constexpr int kPeopleMapUnit = 6;  // shade_virtual.frag
-constexpr int kRoomUnit = 5;       // common/lamps.glsl
-constexpr int kContactUnit = 8;    // common/contact.glsl
+constexpr int kMapUnit = 7;        // of common/lamps.glsl
+constexpr int kPeopleMapUnit = 6;  // of shade_virtual.frag
+constexpr int kRoomUnit = 5;       // of common/lamps.glsl
+constexpr int kContactUnit = 8;    // of common/contact.glsl
 
-/// A lamp as the uniform block of common/lamps.glsl lays it out (std140).
+/// A lamp in the layout of common/lamps.glsl's uniform block (std140).
 struct GpuLamp {
   glm::mat4 lamp_from_camera;
   glm::vec4 position_m, direction, intensity, panel_u, panel_v;
@@ -42,7 +42,7 @@ GpuLamp to_gpu(const LampParams& lamp) {
           glm::ivec4(lamp.map_size_texel, lamp.room_layer, lamp.part_of, lamp.is_part)};
 }
 
-/// A uniform block of kMostLamps, and RoomShadeParams::cell_from_camera.
+/// Makes a uniform buffer for kMostLamps and RoomShadeParams::cell_from_camera.
 BufferHandle make_lamps() {
   GLuint name = 0;
   glGenBuffers(1, &name);
@@ -182,7 +182,7 @@ void LightPass::set_contacts(const FrameParams& params) {
   if (params.contacts.empty()) return;
   constexpr int kNodes = kContactNodes;
   const int count = static_cast<int>(params.contacts.size());
-  // The rows of `up` of a plane, then those of `down`.
+  // First the rows of `up` of a plane, then those of `down`.
   std::vector<std::array<std::uint8_t, 4>> texels;
   texels.reserve(2 * params.contact_hidden.size());
   for (std::size_t first = 0; first < params.contact_hidden.size(); first += kNodes * kNodes) {
@@ -205,7 +205,7 @@ void LightPass::set_contacts(const FrameParams& params) {
   glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
 }
 
-/// Where the objects are in this frame, and their light.
+/// Sets the objects' transforms of this frame, and the light that they send.
 void LightPass::place_contacts(const FrameParams& params) const {
   const std::size_t count = params.contacts.size();
   if (count == 0) return;
@@ -279,7 +279,7 @@ void LightPass::bind_people(GLuint maps) const {
   glBindTexture(GL_TEXTURE_2D_ARRAY, maps);
 }
 
-/// Light of the empty room into that of the visible surfaces.
+/// Copies the light of the empty room to the light of the visible surfaces.
 void LightPass::copy_background() const {
   const Size size = light_.size;
   glBindFramebuffer(GL_READ_FRAMEBUFFER, background_.target.handle.get());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: light map of the real surfaces, shading of the virtual ones.
+// Pass light: draws the light map of real surfaces and shades virtual ones.
 #pragma once
 
 #include <array>
@@ -11,47 +11,46 @@ namespace mixrig::render::gles {
 
 class LightPass {
  public:
-  /// `background_m` is kept by the caller. Errors: kUnsupported for more than kMostLamps.
+  /// Errors: kUnsupported for more than kMostLamps lamps.
   static Result<LightPass> create(const Tables& tables, const CompositorSetup& setup);
 
-  /// Another view of the same size.
+  /// Sets another view of the same size.
   void set_view(const Tables& tables) const;
-  /// What the real room hides of the lamps, where the frame says room_changed. Errors:
-  /// kUnsupported.
+  /// Uploads what the real room hides of the lamps, if params.room_changed. Errors: kUnsupported.
   Result<void> set_room(const FrameParams& params);
-  /// What the objects hide of the ambient light. Once.
+  /// Uploads the ambient light that objects hide. Called once.
   void set_contacts(const FrameParams& params);
-  /// Lamps and maps (ShadowPass) of this pose.
+  /// Sets lamps and maps (ShadowPass) of this pose.
   void set_lamps(const FrameParams& params);
-  /// Light of the empty room, after a change of pose. `background_m`: z, GL_R32F.
-  /// `normal`: of this frame; null: that of the take.
+  /// Draws the light of the empty room, after a change of pose. `background_m`: z, GL_R32F.
+  /// `normal`: normals of this frame; null: those of the take.
   void draw_background(const Texture& background_m, GLuint shadow_maps,
                        const Texture* normal = nullptr) const;
-  /// No real background is shown: its light is 1.
+  /// Sets the background's light to 1, where no real background is shown.
   void skip_background() const;
-  /// Shaded virtual colour from the samples of VirtualPass, after a change of pose; in each frame
-  /// where people cast shadows: `people_maps` of PeopleShadowPass, else 0.
+  /// Shades virtual surfaces by the samples of VirtualPass: after a change of pose, and in each
+  /// frame if people cast shadows. `people_maps`: of PeopleShadowPass, else 0.
   void shade_virtual(const FrameParams& params, const VirtualPass& samples, GLuint shadow_maps,
                      GLuint people_maps = 0) const;
-  /// What of people's light is found from: blocks, matte and visible_w of KeyPass.
+  /// Images of KeyPass from which people's light is computed.
   struct People {
     const Texture& blocks;
     const Texture& matte;
     const Texture& visible_w;
   };
-  /// What people hide of the background: as of draw_background(); maps 0: nothing.
-  struct PastPeople {
-    GLuint maps = 0;  ///< of PeopleShadowPass
+  /// Inputs for shadows of people on the background; maps 0: none.
+  struct PastPeople {  ///< from PeopleShadowPass
+    GLuint maps = 0;   ///< of PeopleShadowPass
     const Texture* background_m = nullptr;
     const Texture* normal = nullptr;
   };
-  /// Light of the visible surfaces.
+  /// Draws the light map of the visible real surfaces.
   void draw_people(const People& people, GLuint shadow_maps, const PastPeople& past) const;
 
   const Texture& background_light() const { return background_light_; }  ///< GL_R16F
   const Texture& light() const { return light_; }                        ///< GL_R16F
   const Target& light_target() const { return people_.target; }
-  /// Linear, premultiplied by the coverage in alpha, GL_RGBA16F; its w is GL_R32F.
+  /// Linear colour premultiplied by the coverage in alpha, GL_RGBA16F; virtual_w() is GL_R32F, 1/m.
   const Texture& virtual_color() const { return virtual_color_; }
   const Texture& virtual_w() const { return virtual_w_; }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass shadow: what people hide from the lamps; host/render/cpu/light/people_shadow.h says how.
+// Pass shadow for people: what they hide from the lamps (method: cpu/light/people_shadow.h).
 #pragma once
 
 #include "host/render/gles/gl/gl_step.h"
@@ -10,10 +10,10 @@ namespace mixrig::render::gles {
 class PeopleShadowPass {
  public:
   static Result<PeopleShadowPass> create(const Tables& tables);
-  /// Another view of the same size.
+  /// Sets another view of the same size.
   void set_view(const Tables& tables) const;
-  /// Draws the maps of params.people_lamps; matte and visible_w of KeyPass. Allocates in the first
-  /// frame. Errors: kUnsupported where there is no memory for the maps.
+  /// Draws the maps of params.people_lamps from matte and visible_w of KeyPass. Allocates in the
+  /// first frame. Errors: kUnsupported without memory for the maps.
   Result<void> draw(const FrameParams& params, const Texture& matte, const Texture& visible_w);
 
   GLuint maps() const { return maps_.name(); }  ///< MapArray; 0 before the first draw

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass shadow: one depth map a lamp.
+// Pass shadow: draws one depth map a lamp.
 #pragma once
 
 #include <vector>
@@ -12,8 +12,8 @@ namespace mixrig::render::gles {
 class ShadowPass {
  public:
   static Result<ShadowPass> create();
-  /// Draws the maps of all lamps that have one; `meshes` as params.draws. Allocates only when the
-  /// size of the maps changes. Errors: kUnsupported where there is no memory for them.
+  /// Draws the maps of all lamps that have one; `meshes` in the order of params.draws. Allocates
+  /// only if the size of the maps changes. Errors: kUnsupported without memory for them.
   Result<void> draw(const FrameParams& params, const std::vector<GpuMesh>& meshes);
 
   GLuint maps() const { return maps_.name(); }  ///< MapArray; 0 before the first draw

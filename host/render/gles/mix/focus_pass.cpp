@@ -47,7 +47,7 @@ Result<FocusPass> FocusPass::create(const Tables& tables, const CompositorSetup&
 }
 
 void FocusPass::find_plane(const Focus& focus, const Texture& mixed_m) const {
-  if (focus.distance_m > 0) return;  // it never changes
+  if (focus.distance_m > 0) return;  // a fixed focus does not change
   plane_.program.use();
   set_uniform(pixel_, *focus.pixel);
   run(plane_, {&mixed_m});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass focus: the depth of field of a thin lens, as host/render/cpu/mix/focus.h says.
+// Pass focus: depth of field of a thin lens (method: cpu/mix/focus.h).
 #pragma once
 
 #include "host/render/gles/gl/gl_step.h"
@@ -8,13 +8,15 @@ namespace mixrig::render::gles {
 
 class FocusPass {
  public:
-  /// Errors: kUnsupported where the driver cannot draw into four floats. Precondition: setup.focus.
+  /// Precondition: setup.focus is set. Errors: kUnsupported where the driver cannot draw into four
+  /// floats.
   static Result<FocusPass> create(const Tables& tables, const CompositorSetup& setup);
-  /// `color` linear with the matte in alpha, `mixed_m` z, both of the view.
+  /// Draws from `color`, linear with the matte in alpha, and `mixed_m`, depth z; both of the view's
+  /// size.
   void draw(const Focus& focus, const Texture& color, const Texture& mixed_m) const;
-  /// What the last draw() drew into: the colour, with the matte in alpha.
+  /// Target of the last draw(): colour, with the matte in alpha.
   const Target& target() const { return gather_.target; }
-  const Texture& color() const { return color_; }  ///< the same as a texture
+  const Texture& color() const { return color_; }  ///< attachment of target()
 
  private:
   void find_plane(const Focus& focus, const Texture& mixed_m) const;

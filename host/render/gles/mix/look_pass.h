@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass look: virtual things as noisy and as sharp as the plate (picture_look.h).
+// Pass look: gives virtual things the noise and sharpness of the plate (picture_look.h).
 #pragma once
 
 #include "host/render/frame/picture_look.h"
@@ -10,13 +10,14 @@ namespace mixrig::render::gles {
 class LookPass {
  public:
   static Result<LookPass> create(const Tables& tables);
-  /// What was measured. How alike the noise of neighbours is stays as it was first.
+  /// Takes a measured look. The noise table is made once and keeps the correlation of the first
+  /// look.
   void set(const PictureLook& look);
   bool blurs() const { return blurs_; }
-  /// LightPass' virtual colour and w, blurred. `rect`: of the virtual layer.
+  /// Filters LightPass' virtual colour and w. `rect`: area of the virtual layer in the view.
   void draw(const Rect& rect, const Texture& virtual_color, const Texture& virtual_w) const;
 
-  const Texture& virtual_color() const { return color_; }  ///< as LightPass'
+  const Texture& virtual_color() const { return color_; }  ///< in the format of LightPass'
   const Texture& virtual_w() const { return w_; }
   const Texture* noise() const { return noise_.size.empty() ? nullptr : &noise_; }
   const Grain& grain() const { return grain_; }

@@ -8,10 +8,10 @@
 namespace mixrig::render::gles {
 namespace {
 
-/// From now on draws into the target reach only the attachments that hold wanted images.
+/// Enables only the attachments of the target that hold wanted images.
 void choose_attachments(const Target& target, OutputMask wanted) {
   constexpr std::array<OutputMask, 4> kHeld = {kColor | kMatte, kMixedDepth, kSegmentedDepth,
-                                               kLayer};  // by MixOutput
+                                               kLayer};  // in the order of MixOutput
   std::array<GLenum, 4> buffers{};
   for (std::size_t i = 0; i < buffers.size(); ++i)
     buffers[i] =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass mix: colour with matte, mixed depth, segmented depth and layer in one draw.
+// Pass mix: draws colour with matte, mixed depth, segmented depth and layer at once.
 #pragma once
 
 #include "host/render/frame/picture_look.h"
@@ -8,21 +8,21 @@
 
 namespace mixrig::render::gles {
 
-/// Inputs of the pass; null where the scene has none.
+/// Inputs of the pass; null if the scene has none.
 struct MixInput {
   const Texture* plate = nullptr;
   const Texture* visible_w = nullptr;
-  const Texture* matte = nullptr;          ///< with background
-  const Texture* background_m = nullptr;   ///< with background
-  const Texture* learned = nullptr;        ///< the background's colour, where learned
-  const Texture* light = nullptr;          ///< with shadows
-  const Texture* virtual_color = nullptr;  ///< with objects
+  const Texture* matte = nullptr;          ///< if there is a background
+  const Texture* background_m = nullptr;   ///< if there is a background
+  const Texture* learned = nullptr;        ///< the background's colour, if learned
+  const Texture* light = nullptr;          ///< if there are shadows
+  const Texture* virtual_color = nullptr;  ///< if there are objects
   const Texture* virtual_w = nullptr;
-  ToneCurve tone{};                ///< ExposureMeter
-  const Texture* room = nullptr;   ///< KeyPass::room
-  const Texture* noise = nullptr;  ///< make_grain(), where virtual things have noise...
-  Grain grain{};                   ///< ...of this strength,
-  glm::ivec2 grain_offset{0};      ///< from there on
+  ToneCurve tone{};                ///< from ExposureMeter
+  const Texture* room = nullptr;   ///< KeyPass::room()
+  const Texture* noise = nullptr;  ///< make_grain(), if virtual things have noise
+  Grain grain{};                   ///< strength of that noise
+  glm::ivec2 grain_offset{0};      ///< texel of `noise` at which this frame begins
 };
 
 /// Attachments of the pass' targets.
@@ -34,12 +34,12 @@ class MixPass {
   /// Draws the attachments that hold `wanted` images. Errors: kUnsupported at the first call with
   /// kLayer.
   Result<void> draw(const MixInput& input, OutputMask wanted);
-  /// What the last draw() drew into; attachments as MixOutput.
+  /// Target of the last draw(), with attachments in the order of MixOutput.
   const Target& target() const { return has_layer_ ? layer_target_ : step_.target; }
-  /// Of the last draw() with kColor, GL_SRGB8_ALPHA8; alpha is the matte.
+  /// Colour of the last draw() with kColor, GL_SRGB8_ALPHA8; alpha is the matte.
   const Texture& color() const { return color_; }
-  const Texture& mixed_m() const { return mixed_; }  ///< the same with kMixedDepth
-  /// Whether parts of the picture may be transparent; else all of it is covered.
+  const Texture& mixed_m() const { return mixed_; }  ///< of the last draw() with kMixedDepth
+  /// Whether parts of the picture may be transparent.
   bool has_alpha() const { return !alpha_.size.empty(); }
   const Target& alpha_target() const { return make_alpha_.target; }
 

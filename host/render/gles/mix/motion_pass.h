@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass motion: virtual things blurred along their way while the plate was exposed
-// (frame_motion.h).
+// Pass motion: blurs virtual things by the camera's motion during the exposure (frame_motion.h).
 #pragma once
 
 #include "host/render/frame/frame_motion.h"
@@ -15,7 +14,7 @@ class MotionPass {
   void draw(const MotionParams& params, const Texture& virtual_color,
             const Texture& virtual_w) const;
 
-  const Texture& virtual_color() const { return color_; }  ///< as LightPass'
+  const Texture& virtual_color() const { return color_; }  ///< in the format of LightPass'
   const Texture& virtual_w() const { return w_; }
 
  private:

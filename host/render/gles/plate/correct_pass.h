@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass correct: ToF depth to a grid of vertices with links.
+// Pass correct: turns ToF depth into a grid of vertices with links.
 #pragma once
 
 #include "host/render/gles/gl/gl_step.h"
@@ -11,19 +11,20 @@ class CorrectPass {
   static Result<CorrectPass> create(const Tables& tables);
   void upload_depth(ImageView<const float> depth_m) const { upload(depth_, depth_m); }
   void draw() const;
-  /// The same, with the vertices in another texture of their size and format.
+  /// Runs the pass with the vertices in another texture of their size and format.
   void draw_into(const Target& vertices) const;
-  /// The two halves: depths, and links between z, z_m() or those of pass agree.
+  /// The pass in two halves: corrected depths, then links between depths z_m, which are z_m() or
+  /// those of pass agree.
   void draw_depth() const;
   void link(const Texture& z_m) const { run_into(link_.target, link_, {&z_m, &step_}); }
   const Texture& tof_ray() const { return ray_; }
-  /// GL_R32F, metres, 0 unknown: as measured, without stray pieces.
+  /// z as measured, GL_R32F, metres, 0 unknown.
   const Texture& raw_z_m() const { return raw_z_; }
-  /// The same, but for what belongs to another surface; that smoothed.
+  /// z without flying pixels; z_m() is that, smoothed. Same format.
   const Texture& clean_z_m() const { return clean_z_; }
   const Texture& z_m() const { return z_; }
   const Texture& step_m() const { return step_; }
-  /// GL_RGBA32F: w, its slopes, links (correct_links.frag).
+  /// GL_RGBA32F: w, its two slopes, links (correct_links.frag).
   const Texture& vertices() const { return vertices_; }
 
  private:

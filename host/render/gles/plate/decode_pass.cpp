@@ -16,7 +16,7 @@ ImageView<const Rgbx8> row_of(const SampleTable& table) {
 
 Result<DecodePass> DecodePass::create(Size size) {
   DecodePass pass;
-  // sRGB bytes hold what the picture brought; filtered in linear light.
+  // Holds the picture as sRGB bytes; sampling filters in linear light.
   pass.color_ = make_texture(size, GL_SRGB8_ALPHA8, Sampling::kLinear);
   for (std::size_t i = 0; i < pass.table_.size(); ++i) {
     const auto byte = static_cast<std::uint8_t>(i);

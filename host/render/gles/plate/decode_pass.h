@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass plate of a picture that is read in its camera's memory: samples to sRGB.
+// Pass plate for a picture in its camera's memory: turns raw samples into sRGB.
 #pragma once
 
 #include "hal/base/raw_picture.h"
@@ -10,24 +10,24 @@ namespace mixrig::render::gles {
 
 class DecodePass {
  public:
-  /// Errors: as make_step.
+  /// Errors: those of make_step.
   static Result<DecodePass> create(Size size);
-  /// Precondition: `picture` has the size of the pass. Binds textures.
+  /// Decodes a picture. Precondition: `picture` has the size of the pass. Changes texture bindings.
   void draw(const RawPicture& picture, const ImportedPlanes& planes);
-  /// GL_SRGB8_ALPHA8, filtered.
+  /// The decoded plate, GL_SRGB8_ALPHA8, sampled linearly.
   const Texture& color() const { return color_; }
 
  private:
   void set_layout(const RawPicture& picture);
 
-  /// Locations of the uniforms.
+  /// Locations of the program's uniforms.
   struct Uniforms {
     GLint is_yuyv, is_nv12, is_bayer, has_samples, size, red_at, luma, red_blue, green_shift;
   };
   Texture color_, samples_, ramp_;
   Step step_;
   Uniforms at_{};
-  SampleTable table_{};  ///< that `samples_` holds
+  SampleTable table_{};  ///< the table that `samples_` holds
 };
 
 }  // namespace mixrig::render::gles

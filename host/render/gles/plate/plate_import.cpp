@@ -9,14 +9,14 @@
 namespace mixrig::render::gles {
 namespace {
 
-// A driver of V4L2 has 32 buffers at most.
+// A V4L2 driver has at most 32 buffers.
 constexpr std::size_t kMostImports = 32;
 
 constexpr std::uint32_t drm_fourcc(char a, char b, char c, char d) {
   return static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b) << 8 |
          static_cast<std::uint32_t>(c) << 16 | static_cast<std::uint32_t>(d) << 24;
 }
-// drm_fourcc.h of the kernel: one byte a texel; red first, then green.
+// Formats of the kernel's drm_fourcc.h: one byte a texel; two bytes, red first, then green.
 constexpr std::uint32_t kDrmR8 = drm_fourcc('R', '8', ' ', ' ');
 constexpr std::uint32_t kDrmGr88 = drm_fourcc('G', 'R', '8', '8');
 
@@ -94,7 +94,7 @@ const ImportedPlanes* PlateImports::find(const RawPicture& picture) {
 EGLImageKHR PlateImports::create(const DmaBuf& memory, const PlaneLayout& layout,
                                  bool linear) const {
   const auto number = [](auto value) { return static_cast<EGLint>(value); };
-  // A list ends with the first EGL_NONE.
+  // EGL reads the list up to the first EGL_NONE.
   const std::array<EGLint, 17> attributes = {EGL_WIDTH,
                                              layout.size.width,
                                              EGL_HEIGHT,
@@ -116,7 +116,7 @@ EGLImageKHR PlateImports::create(const DmaBuf& memory, const PlaneLayout& layout
                        attributes.data());
 }
 
-/// The texture keeps the memory; the image is not needed any more.
+/// Imports one plane. The texture keeps the memory, so the EGL image is destroyed again.
 bool PlateImports::import(const RawPicture& picture, const PlaneLayout& layout, Texture& texture) {
   EGLImageKHR image = calls_.modifiers ? create(picture.memory, layout, true) : EGL_NO_IMAGE_KHR;
   if (image == EGL_NO_IMAGE_KHR) image = create(picture.memory, layout, false);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Camera pictures as textures, read in the camera's own memory (EGL_EXT_image_dma_buf_import).
+// Makes textures of camera pictures in the camera's own memory (EGL_EXT_image_dma_buf_import).
 #pragma once
 
 #include <array>
@@ -19,9 +19,9 @@
 
 namespace mixrig::render::gles {
 
-/// Plain samples: the driver converts nothing.
+/// One plane of plain samples, which the driver does not convert.
 struct PlaneLayout {
-  std::uint32_t fourcc = 0;  ///< DRM's: R8 or GR88
+  std::uint32_t fourcc = 0;  ///< DRM format: R8 or GR88
   GLenum internal_format = 0;
   Size size{};  ///< texels
   std::size_t offset_bytes = 0, stride_bytes = 0;
@@ -30,35 +30,36 @@ struct PlaneLayouts {
   std::array<PlaneLayout, 2> planes;
   std::size_t count = 1;
 };
-/// Of a picture in its memory; what decode.frag reads.
+/// Planes of a picture in its memory, as decode.frag reads them.
 PlaneLayouts planes_of(const RawPicture& picture);
 
-/// What imports need of EGL and GL.
+/// EGL and GL functions that imports need.
 struct ImportCalls {
   EGLDisplay display = EGL_NO_DISPLAY;
   PFNEGLCREATEIMAGEKHRPROC create = nullptr;
   PFNEGLDESTROYIMAGEKHRPROC destroy = nullptr;
   PFNGLEGLIMAGETARGETTEXTURE2DOESPROC attach = nullptr;
-  bool modifiers = false;  ///< it is told that rows follow one another
+  bool modifiers = false;  ///< EGL takes modifiers, which tell it that rows follow one another
 };
-/// Precondition: the context is current. Errors: kUnsupported; the line names what lacks.
+/// Finds the functions. Precondition: the context is current. Errors: kUnsupported; the message
+/// names what is missing.
 Result<ImportCalls> find_import_calls(const EglContext& context);
 
-/// The planes of one picture.
+/// Textures of the planes of one picture.
 using ImportedPlanes = std::array<Texture, 2>;
 
-/// Each buffer of a camera is imported once; those of a set are dropped when a picture of another
-/// one comes. For the thread of the context.
+/// Imports each buffer of a camera once; all are dropped when a picture of another set of buffers
+/// comes. Only for the thread of the context.
 class PlateImports {
  public:
   explicit PlateImports(const ImportCalls& calls);
 
-  /// The textures of a picture whose memory is shared, valid until the next call; null where the
-  /// driver has refused one: then why() says so, and no further is tried.
+  /// Textures of a picture in shared memory, valid until the next call. Null once the driver has
+  /// refused a picture: why() then gives the reason, and no more are tried.
   const ImportedPlanes* find(const RawPicture& picture);
-  /// Empty while nothing was refused.
+  /// Reason of the refusal; empty while nothing was refused.
   const std::string& why() const { return why_; }
-  /// That exist now.
+  /// Number of buffers imported at present.
   std::size_t size() const { return imported_.size(); }
 
  private:

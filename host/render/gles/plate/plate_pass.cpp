@@ -12,7 +12,7 @@ Result<PlatePass> PlatePass::create(const Tables& tables) {
   Image<float> none({1, 1}, 1.0F);
   const bool darkens = !tables.plate_gain.empty();
   pass.gain_ = make_texture(darkens ? tables.plate_gain.view() : none.view(), GL_R32F);
-  // sRGB bytes hold linear light as finely as the plate brought it.
+  // sRGB bytes hold linear light as finely as the plate's bytes did.
   pass.view_ = make_texture(tables.view_size, GL_SRGB8_ALPHA8);
   MIXRIG_ASSIGN(pass.step_, make_step("plate.frag", {&pass.view_}));
   pass.step_.program.set("has_gain", darkens);

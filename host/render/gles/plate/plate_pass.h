@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass plate: upload, or decoding in the camera's memory, and the way through the lens into the
-// view.
+// Pass plate: uploads the plate, or decodes it from the camera's memory, and resamples it through
+// the lens into the view.
 #pragma once
 
 #include <optional>
@@ -13,21 +13,21 @@ namespace mixrig::render::gles {
 class PlatePass {
  public:
   static Result<PlatePass> create(const Tables& tables);
-  /// Before the first decode(). Errors: as make_step.
+  /// Makes the decoder; call it before the first decode(). Errors: those of make_step.
   Result<void> prepare_decoding();
   void upload_plate(ImageView<const Rgb8> plate);
-  /// In place of upload_plate(); draws.
+  /// Decodes a plate on the GPU, instead of upload_plate().
   void decode(const RawPicture& picture, const ImportedPlanes& planes);
-  /// Plate pixel of each view pixel, for another lens. Precondition: draws().
+  /// Uploads the plate pixel of each view pixel, for another lens. Precondition: draws().
   void upload_map(ImageView<const glm::vec2> plate_px) const { upload(map_, plate_px); }
-  /// Draws where there is a lens to see through.
+  /// Resamples the plate into the view. Precondition: draws().
   void draw() const { run(step_, {&plate(), &map_, &gain_}); }
-  /// Linear light when sampled, view size.
+  /// The plate in the view, linear light when sampled.
   const Texture& in_view() const { return is_view_ ? plate() : view_; }
   bool draws() const { return !is_view_; }
 
  private:
-  /// The newest one.
+  /// The plate that was uploaded or decoded last.
   const Texture& plate() const { return is_decoded_ ? decode_->color() : plate_; }
 
   bool is_view_ = false, is_decoded_ = false;

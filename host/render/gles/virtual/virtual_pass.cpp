@@ -7,8 +7,7 @@
 
 namespace mixrig::render::gles {
 namespace {
-
-constexpr int kGrain = 128;  // samples by which the window grows
+constexpr int kGrain = 128;  // samples by which the target grows
 
 int round_up(int value) { return (value + kGrain - 1) / kGrain * kGrain; }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass virtual: the objects at 2x2 samples a pixel, in the rectangle that they may touch. Each of
-// the four is drawn as a picture of its own, beside and below the first: they lie on a turned grid.
+// Pass virtual: draws objects with four samples a pixel, within the rectangle that they may touch.
+// The samples lie on a rotated grid, so each is drawn as a picture of its own; the four pictures
+// lie beside and below one another in one target.
 #pragma once
 
 #include <vector>
@@ -12,18 +13,18 @@ namespace mixrig::render::gles {
 
 class VirtualPass {
  public:
-  /// `glossy`: draws gloss and emission too.
+  /// `glossy`: also draws gloss and emission.
   static Result<VirtualPass> create(bool glossy = false);
-  /// `meshes` as params.draws. Errors: kUnsupported where there is no memory for a larger window.
-  /// Allocates only where the rectangle is larger than all before.
+  /// Draws the samples; `meshes` in the order of params.draws. Allocates only if the rectangle is
+  /// larger than ever before. Errors: kUnsupported without memory for it.
   Result<void> draw(const FrameParams& params, const std::vector<GpuMesh>& meshes);
 
-  /// Of the rectangle, a picture for each sample, 2x2 pictures: linear albedo with alpha 1 where
-  /// covered, normals in 0..1, window depth (gl_convention.h).
+  /// Samples of the rectangle as 2x2 pictures: linear albedo with alpha 1 where covered, normals
+  /// mapped to 0..1, and window depth (gl_convention.h).
   const Texture& albedo() const { return albedo_; }
   const Texture& normal() const { return normal_; }
   const Texture& depth() const { return depth_; }
-  /// Metallic, roughness, specular; linear light of its own. Null where they are not drawn.
+  /// (Metallic, roughness, specular), and emitted linear light. Null if they are not drawn.
   const Texture* gloss() const { return glossy_ ? &gloss_ : nullptr; }
   const Texture* emission() const { return glossy_ ? &emission_ : nullptr; }
 

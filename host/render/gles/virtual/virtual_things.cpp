@@ -17,7 +17,7 @@ Result<VirtualThings> VirtualThings::create(const CompositorSetup& setup, const 
   return things;
 }
 
-/// Only those that the scene needs.
+/// Makes only the passes that the scene needs.
 Result<void> VirtualThings::create_passes(const Tables& tables) {
   MIXRIG_ASSIGN(virtual_, VirtualPass::create(frame_->glossy || frame_->emits));
   MIXRIG_ASSIGN(light_, LightPass::create(tables, *setup_));

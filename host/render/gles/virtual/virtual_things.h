@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Virtual objects from frame to frame: their pixels, what they and people hide of the lamps, the
-// light that is left, and the camera's look. What depends on the pose alone stays while it does.
+// Virtual objects over time: their pixels, shadows of objects and people, shading, and the camera's
+// look. Results that depend on the pose alone are kept while it stays.
 #pragma once
 
 #include <cstdint>
@@ -22,30 +22,31 @@
 
 namespace mixrig::render::gles {
 
-/// Memory of one compositor whose setup has objects.
+/// Used by one compositor whose setup has objects.
 class VirtualThings {
  public:
   /// Borrows `setup` and `frame`. Errors: those of the passes.
   static Result<VirtualThings> create(const CompositorSetup& setup, const Tables& tables,
                                       const FrameParams& frame);
-  /// Another view of the same size.
+  /// Sets another view of the same size.
   void set_view(const Tables& tables);
-  /// Takes the look of this frame, also where that does not show the objects.
+  /// Takes the look of this frame, even if the frame does not show the objects.
   void take_look(const FrameInput& input);
-  /// Samples and shadow maps, where the pose has changed; grain moves in each frame.
+  /// Draws samples and shadow maps if the pose has changed; moves the grain in each frame.
   Result<void> draw(StageTimer& timer);
-  /// Shading and the light of `room` where the pose has changed; people and their shadows, of
-  /// `key`, move in each frame. Null: nothing is keyed. `people`: the light of this frame is
-  /// wanted.
+  /// Shades the objects and lights `room` if the pose has changed; people and their shadows, from
+  /// `key`, are computed in each frame. `key`: null if nothing is keyed. `people`: the light map of
+  /// this frame is wanted.
   Result<void> light(const Room& room, const KeyPass* key, bool people, StageTimer& timer);
-  /// Blurs by the lens, then by the camera's motion.
+  /// Blurs the objects by the lens, then by the camera's motion.
   void blur(const std::optional<CameraMotion>& motion);
 
-  /// Null where objects take light from nothing, or nothing is keyed. After draw().
+  /// Null if objects take no light from lamps or the room, or nothing is keyed. Call it after
+  /// draw().
   const LightPass* light_map(const KeyPass* key) const {
     return has_shadows_ && key != nullptr ? &light_ : nullptr;
   }
-  /// What is mixed in this frame.
+  /// Sets the inputs of pass mix for this frame.
   void add_to(MixInput& input) const;
 
  private:
@@ -55,14 +56,14 @@ class VirtualThings {
 
   const CompositorSetup* setup_;
   const FrameParams* frame_;
-  std::vector<GpuMesh> meshes_;  // as FrameParams::draws
+  std::vector<GpuMesh> meshes_;  // in the order of FrameParams::draws
   VirtualPass virtual_;
   ShadowPass shadow_;
   std::optional<PeopleShadowPass> people_shadow_;
   LightPass light_;
   UsedLook used_look_;
   std::optional<LookPass> look_;
-  bool shaded_ = false;  ///< since they were blurred
+  bool shaded_ = false;  ///< since they were last blurred
   std::optional<MotionPass> motion_;
   const Texture *mixed_color_ = nullptr, *mixed_w_ = nullptr;  ///< of this frame
   std::uint32_t frames_ = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A second depth camera: pass agree, and its part of the passes correct and warp.
+// Passes agree, correct and warp for a second depth camera.
 #pragma once
 
 #include "host/render/gles/plate/correct_pass.h"
@@ -13,9 +13,9 @@ class SecondDepthPass {
   static Result<SecondDepthPass> create(const CompositorSetup& setup, const Tables& tables);
   void set_view(const CompositorSetup& setup);
   void upload_depth(ImageView<const float> depth_m) const { correct_.upload_depth(depth_m); }
-  /// Passes correct and agree of both cameras.
+  /// Runs passes correct and agree for both cameras.
   void correct_both(const CorrectPass& first) const;
-  /// Pass warp of the second camera, into a view that holds the surfaces of the first.
+  /// Warps the second camera's surfaces into a view that holds those of the first.
   void add_to(const WarpPass& first) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass warp: triangles of the ToF grid, drawn into the view; the nearest surface is kept.
+// Pass warp: draws triangles of the ToF grid into the view and keeps the nearest surface.
 #pragma once
 
 #include "host/render/gles/gl/gl_program.h"
@@ -10,24 +10,24 @@ namespace mixrig::render::gles {
 class WarpPass {
  public:
   static Result<WarpPass> create(const Tables& tables);
-  /// Without a view of its own: only for add() into the target of another one.
+  /// Makes a pass without a target, only for add() into the target of another pass.
   static Result<WarpPass> create_without_view(const Tables& tables);
-  /// In place of Tables::warp, from the next draw() on.
+  /// Sets the pose, in place of Tables::warp's, for later draws.
   void set_pose(const glm::mat4& camera_from_tof) { warp_.set("camera_from_tof", camera_from_tof); }
-  /// View, and the pose that set_pose() sets, of `tables`; from the next draw() on.
+  /// Sets view and pose from `tables` for later draws.
   void set_view(const Tables& tables);
-  /// `vertices`, `tof_ray`, `raw_z_m`: of CorrectPass. `plate`: of the view, linear light when
-  /// sampled; null: it is not known.
+  /// Draws a grid. `vertices`, `tof_ray`, `raw_z_m`: from CorrectPass. `plate`: in the view, linear
+  /// light when sampled; null if not available.
   void draw(const Texture& vertices, const Texture& tof_ray, const Texture& raw_z_m,
             const Texture* plate = nullptr) const {
     clear();
     add(vertices, tof_ray, raw_z_m, target_, plate);
   }
   void clear() const;
-  /// Draws before or behind what was drawn.
+  /// Draws into `target` without clearing it; nearer surfaces win.
   void add(const Texture& vertices, const Texture& tof_ray, const Texture& raw_z_m,
            const Target& target, const Texture* plate = nullptr) const;
-  /// GL_R32F, 1/m: 0 unknown, negative where a cut cell drew.
+  /// Inverse depth, GL_R32F, 1/m: 0 unknown, negative where a cut cell was drawn.
   const Texture& w() const { return w_; }
   const Target& target() const { return target_; }
 
@@ -35,7 +35,7 @@ class WarpPass {
   void find_triangles(const Texture& vertices) const;
 
   Size tof_size_;
-  int group_cells_ = 1;  ///< of a work group of cells.comp
+  int group_cells_ = 1;  ///< cells a work group of cells.comp
   Texture w_, depth_;
   Target target_;
   BufferHandle arguments_, indices_;
