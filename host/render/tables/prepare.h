@@ -78,8 +78,7 @@ float stray_px_m2(const geometry::CameraModel& tof);
 /// Builds the tables of a take. Precondition: validate(setup) holds.
 Tables make_tables(const CompositorSetup& setup);
 
-/// Builds the tables of a second depth camera. Precondition: validate(setup) holds, and the setup
-/// has a second depth camera.
+/// Builds the second camera's tables. Precondition: validate(setup) holds, setup.tof2 is set.
 SecondTables make_second_tables(const CompositorSetup& setup);
 /// Updates the tables that depend on the view or on the second depth camera's pose.
 void set_view(const CompositorSetup& setup, SecondTables& tables);
@@ -127,9 +126,8 @@ Image<PackedNormal> normals(ImageView<const float> depth_m, const geometry::Pinh
 
 /// Radius of a disc of the lamp's area.
 double disc_radius_m(const geometry::Lamp& lamp);
-/// Vectors from the centre of a lamp to the middles of its sides, in world axes, along
-/// geometry::panel_axes(). A lamp that shines in all directions is a square that faces along
-/// `toward`.
+/// Vectors from a lamp's centre to the middles of its sides, in world axes (panel_axes()). A lamp
+/// that shines in all directions is a square that faces along `toward`.
 std::array<glm::dvec3, 2> half_sides_m(const geometry::Lamp& lamp, const glm::dvec3& toward);
 
 /// A lamp, or one of the four parts of a panel.
@@ -138,9 +136,8 @@ struct LampPart {
   int part_of = 0;  ///< index in geometry::Light::lamps
   bool is_part = false;
 };
-/// Splits each panel into 2x2 panels of a quarter of its light, in the order of the lamps: one map
-/// renders the penumbra of a small panel better. Lamps stay whole if the parts would be more than
-/// kMostLamps.
+/// Splits each panel into 2x2 panels of a quarter of its light, in order: one map renders the
+/// penumbra of a small panel better. Lamps stay whole if the parts exceed kMostLamps.
 std::vector<LampPart> parts_of_lamps(const std::vector<geometry::Lamp>& lamps);
 
 /// Half-open pixel rectangle.
