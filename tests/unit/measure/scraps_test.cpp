@@ -6,14 +6,14 @@
 namespace mixrig::measure {
 namespace {
 
-constexpr Size kSize{320, 256};  // a scrap has at least 2 pixels here
+constexpr Size kScrapsSize{320, 256};  // a scrap has at least 2 pixels here
 
 /// An object over the middle of the picture, before a person on its right half.
-struct Scene {
-  Image<std::uint8_t> labels{kSize}, layer{kSize}, matte{kSize};
-  Scene() {
-    for (int y = 0; y < kSize.height; ++y)
-      for (int x = 0; x < kSize.width; ++x) {
+struct ScrapScene {
+  Image<std::uint8_t> labels{kScrapsSize}, layer{kScrapsSize}, matte{kScrapsSize};
+  ScrapScene() {
+    for (int y = 0; y < kScrapsSize.height; ++y)
+      for (int x = 0; x < kScrapsSize.width; ++x) {
         const bool object = x >= 100 && x < 200 && y >= 80 && y < 180, person = x >= 150;
         const int visible = object ? kLayerVirtual : person;
         labels.at(x, y) = static_cast<std::uint8_t>(visible | (object ? kInSilhouette : 0));
@@ -28,7 +28,7 @@ struct Scene {
   TruthImages truth() const { return {{}, {}, matte, {}, labels}; }
 };
 
-Errors::Scraps judged(const Scene& scene) {
+Errors::Scraps judged_scraps(const ScrapScene& scene) {
   ScrapJudge judge;
   judge.add(scene.layer, scene.matte, scene.truth());
   return scraps_of(judge.sums());
@@ -36,7 +36,7 @@ Errors::Scraps judged(const Scene& scene) {
 
 TEST(Scraps, no_frame_is_nothing_and_a_right_one_is_zero) {
   EXPECT_EQ(scraps_of({}).specks, std::nullopt);
-  const Errors::Scraps s = judged(Scene());
+  const Errors::Scraps s = judged_scraps(ScrapScene());
   EXPECT_EQ(s.person_through_object, 0.0);
   EXPECT_EQ(s.object_through_person, 0.0);
   EXPECT_EQ(s.room_through, 0.0);
@@ -46,7 +46,7 @@ TEST(Scraps, no_frame_is_nothing_and_a_right_one_is_zero) {
 }
 
 TEST(Scraps, pieces_are_counted_by_what_shows_through) {
-  Scene scene;
+  ScrapScene scene;
   scene.show(1, 160, 100, 7, 3);  // the person through the object
   scene.show(1, 180, 100, 2, 2);
   scene.show(0, 120, 120, 5, 2);  // the room through it
@@ -71,20 +71,20 @@ TEST(Scraps, pieces_are_counted_by_what_shows_through) {
 }
 
 TEST(Scraps, border_one_pixel_off_is_none_and_two_pixels_off_are_one) {
-  Scene one, two;
+  ScrapScene one, two;
   one.show(2, 200, 80, 1, 100);
-  EXPECT_EQ(judged(one).object_through_person, 0.0);
-  EXPECT_EQ(judged(one).specks, 0.0);
+  EXPECT_EQ(judged_scraps(one).object_through_person, 0.0);
+  EXPECT_EQ(judged_scraps(one).specks, 0.0);
   two.show(2, 200, 80, 2, 100);
-  EXPECT_EQ(judged(two).object_through_person, 1.0);
+  EXPECT_EQ(judged_scraps(two).object_through_person, 1.0);
 }
 
 TEST(Scraps, what_comes_and_goes_is_counted_apart) {
-  Scene right, wrong;
+  ScrapScene right, wrong;
   wrong.show(1, 160, 100, 7, 3);
   ScrapJudge judge;
   for (int i = 0; i < 4; ++i) {
-    const Scene& scene = i % 2 == 0 ? right : wrong;
+    const ScrapScene& scene = i % 2 == 0 ? right : wrong;
     judge.add(scene.layer, scene.matte, scene.truth());
   }
   EXPECT_EQ(scraps_of(judge.sums()).changed_pixels, 3 * 21 / 4.0);
@@ -92,9 +92,10 @@ TEST(Scraps, what_comes_and_goes_is_counted_apart) {
 }
 
 TEST(Scraps, ghost_is_half_a_person_far_from_the_border) {
-  Scene scene;
-  Image<std::uint8_t> matte(kSize);
-  for (int y = 0; y < kSize.height; ++y) std::copy_n(scene.matte.row(y), kSize.width, matte.row(y));
+  ScrapScene scene;
+  Image<std::uint8_t> matte(kScrapsSize);
+  for (int y = 0; y < kScrapsSize.height; ++y)
+    std::copy_n(scene.matte.row(y), kScrapsSize.width, matte.row(y));
   for (int x = 140; x < 160; ++x) matte.at(x, 10) = 128;  // along the border
   for (int x = 20; x < 25; ++x) matte.at(x, 30) = 128;
   for (int x = 20; x < 25; ++x) matte.at(x, 40) = 20;
