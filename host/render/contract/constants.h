@@ -43,9 +43,9 @@ inline constexpr int kLeastKnown = 3;
 /// pixel that saw two surfaces can be a whole period of the modulation too near: at 120 MHz 1.25 m.
 inline constexpr float kStrayGap = 1.2F;
 /// ToF pixels: a stray piece lies within so many of each of its pixels, along rows and columns.
-inline constexpr int kStrayReachPx = 10;
+inline constexpr int kStrayReachPx = 14;
 /// Square metres: a piece that is larger is a thing. A hand has about 0.01.
-inline constexpr float kStrayAreaM2 = 0.002F;
+inline constexpr float kStrayAreaM2 = 0.004F;
 
 // --- warp
 /// w of a cut cell's corner is at least this part of its vertex' w: gradients at borders are noisy

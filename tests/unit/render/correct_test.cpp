@@ -199,8 +199,8 @@ TEST(Correct, two_such_pieces_beside_each_other_are_both_dropped) {
 }
 
 TEST(Correct, things_stay_that_are_large_long_or_not_far_before_the_wall) {
-  const auto hand = [](int x, int y) { return x >= 28 && x < 37 && y >= 28 && y < 37; };
-  EXPECT_EQ(near_px(wall_with(2.13F, hand)), 81) << "9x9 pixels at 2.13 m are 5x5 cm";
+  const auto hand = [](int x, int y) { return x >= 26 && x < 38 && y >= 26 && y < 38; };
+  EXPECT_EQ(near_px(wall_with(2.13F, hand)), 144) << "12x12 pixels at 2.13 m are 7x7 cm";
   const auto pole = [](int x, int) { return x == 31 || x == 32; };
   EXPECT_GE(near_px(wall_with(2.13F, pole)), 2 * 60);
   const auto pole_end = [](int x, int y) { return (x == 31 || x == 32) && y > 20; };
