@@ -25,7 +25,7 @@ class ChangeSink final : public output::CompositeSink {
  public:
   static constexpr int kFrameStep = 5;
   static constexpr int kWidth_px = 160;
-  /// Number of frames that must each see half of the change.
+  /// Number of examined frames that must each see half of the change.
   static constexpr int kLearnFrames = 9;
 
   /// Whether the session's background can be watched: it is drawn from its place at each pose, or
