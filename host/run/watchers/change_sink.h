@@ -18,9 +18,9 @@
 
 namespace mixrig::session {
 
-/// Looks at about one of five frames that it is given, in a picture 160 pixels wide. write() and
-/// finish() run in the sink's thread; other threads as stated. Memory is constant, except for the
-/// frames from which a change is learned.
+/// Looks at each frame that it is given (about one of five, by RoomKeeper), in a picture 160 pixels
+/// wide. write() and finish() run in the sink's thread; other threads as stated. Memory is constant
+/// except for the frames from which a change is learned.
 class ChangeSink final : public output::CompositeSink {
  public:
   static constexpr int kFrameStep = 5;
