@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass correct, second step: distance of a pixel from the line through its neighbours, on the
+// Pass correct, third step: distance of a pixel from the line through its neighbours, on the
 // straightest axis. Noise bends all axes, an edge of the scene not the one along itself.
 //   raw_z_m  metres, 0 unknown
 //   bend_m   metres, at most a part of the depth

@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass correct, third step: finds the threshold of a depth step, and gives flying pixels to a
+// Pass correct, fourth step: finds the threshold of a depth step, and gives flying pixels to a
 // surface.
 //   raw_z_m  metres, 0 unknown; bend_m of correct_bend.frag
 //   z_m      metres, 0 unknown

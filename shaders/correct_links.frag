@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass correct, fifth step: links neighbours on one surface, and finds the slope of that surface.
+// Pass correct, sixth step: links neighbours on one surface, and finds the slope of that surface.
 //   z_m     metres, smoothed, 0 unknown; step_m of correct_clean.frag
 //   vertex  w = 1/z (0 unknown), change of w a pixel along x and y, links (1 right, 2 down,
 //           4 down-right, 8 down-left) as a number

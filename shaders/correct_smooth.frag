@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass correct, fourth step: mean of inverse depth over neighbours within half a step, and over
+// Pass correct, fifth step: mean of inverse depth over neighbours within half a step, and over
 // pairs of opposite ones within a step: one side alone would bias a sloping surface.
 //   clean_z_m, step_m  of correct_clean.frag
 //   z_m                metres, 0 unknown

@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass correct: small pieces of depth that hang far in front of all that is around them become
+// Pass correct, second step: small pieces of depth far in front of all that is around them become
 // unknown. A ToF camera puts pixels that saw two surfaces a period of its modulation too near.
 //   z_m      metres, 0 unknown
 //   raw_z_m  the same without stray pieces

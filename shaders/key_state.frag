@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pass key, by depth: points nearer than the limit are foreground, the others background.
 //   w        1/m, sign aside; 0 unknown
-//   limit_w  1/m, infinite where the background has no depth; not read if the volume alone keys
+//   limit_w  1/m, negative or infinite without background depth; not read if the volume alone keys
 //   state    render::PixelState / 255; edge means doubt
 #include "common/precision.glsl"
 #include "common/constants.glsl"

@@ -27,7 +27,7 @@ uniform float exposure;
 layout(location = 0) out vec4 color;
 layout(location = 1) out float w;
 
-// Mean of some samples of a pixel; members are sums, except `w`, that of the nearest sample.
+// Sums over some samples of a pixel, except `w`, which is that of the nearest one.
 struct Samples {
   vec4 albedo;
   vec3 normal, gloss, emission;

@@ -7,7 +7,7 @@ struct Lamp {
   vec4 position_m, direction, intensity;  // direction 0: shines to all sides
   vec4 panel_u, panel_v;                  // passes.h
   float radius_m, map_focal_texel, map_center_texel, casters_near_m;
-  // X: size, 0 without map; y: layer of room_share, or -1; z: part_of; w: is_part.
+  // .x: size, 0 without map; .y: layer of room_share, or -1; .z: part_of; .w: is_part.
   ivec4 map_size_texel;
 };
 layout(std140, binding = 0) uniform Lamps {

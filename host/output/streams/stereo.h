@@ -30,8 +30,8 @@ struct StereoCounts {
 };
 
 /// Draws the left and right view side by side in `out`, each as wide as the picture: a point is
-/// moved by half of fx eye (1/z - 1/screen) against the eye. Surfaces are torn where their
-/// disparity changes by more than 2 px between pixels; the hole shows `behind` (may be empty). An
+/// moved by half of fx eye (1/z - 1/screen) against the eye. Surfaces are torn where neighbouring
+/// pixels come 2.5 px or more apart, or swap places; the hole shows `behind` (may be empty). An
 /// unknown depth is replaced by that of the farther known neighbour in its row.
 class StereoPair {
  public:

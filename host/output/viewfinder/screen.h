@@ -28,9 +28,8 @@ struct ScreenFacts {
   bool recording = false;
   TextLine message;  ///< answer to a key; empty: none
   TextLine fault;    ///< names the lost device; empty: none
-  /// Lines for streams and sets; empty ones are not shown.
   static constexpr std::size_t kSyncLines = 8;
-  std::array<TextLine, kSyncLines> sync;  ///< of streams and sets; empty ones are left out
+  std::array<TextLine, kSyncLines> sync;  ///< for streams and sets; empty ones are not shown
 };
 
 /// What a window shows.

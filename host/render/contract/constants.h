@@ -18,12 +18,12 @@ inline constexpr float kVirtualShare = 0.51F;
 // --- correct (docs/method/compositor.md). "Part" means a part of the depth unless said otherwise.
 /// Metres: larger depth values are unknown; no depth camera measures farther.
 inline constexpr float kFarthestM = 1e4F;
-/// Upper limit of the depth-step threshold, whatever the noise: a larger one would hide people in
-/// front of dark surfaces.
+/// Each term of the depth-step threshold that grows with noise is at most this part: a larger one
+/// would hide people in front of dark surfaces.
 inline constexpr float kSteepest = 0.1F;
-/// Upper limit of the depth-step threshold derived from bends (second differences), as the step
-/// between pixels of a surface this steep (tangent; seen at 3.4 degrees). The scene's own steps
-/// bend too, and must not link a dark wall to what stands before it.
+/// Upper limit of the depth-step threshold's term by bends (second differences): the step between
+/// pixels of a surface this steep (tangent; seen at 3.4 degrees). The scene's own steps bend too,
+/// and must not link a dark wall to what stands before it.
 inline constexpr float kSteepestSlope = 17.0F;
 /// Bends are clamped to this part: a larger one is a step of the scene, not noise.
 inline constexpr float kLargestBend = 0.04F;
@@ -116,12 +116,12 @@ inline constexpr float kOneSurfacePart = 0.98F;
 inline constexpr int kBlockPx = 8;
 /// Least area of a person, ToF pixels; less is a speckle of depth noise.
 inline constexpr float kSpeckleTofPx = 6.0F;
-/// Least area, ToF pixels, where more pixels around show a mirror's depth: a dark head in a mirror
-/// has few depth values, some of them too near by noise.
+/// Least area, ToF pixels, where around it more pixels show a mirror's depth than foreground: a
+/// dark head in a mirror has few depth values, some of them too near by noise.
 inline constexpr float kMirrorSpeckleTofPx = 24.0F;
-/// Unknown pixels of a block are background where mirror pixels in the 3x3 blocks around are at
-/// least this part of the foreground there: hair and sleeves seen in a mirror have no depth and
-/// look like people.
+/// Unknown pixels of a block are background where mirror pixels in the 3x3 blocks around are more
+/// than this part of the foreground there: hair and sleeves seen in a mirror have no depth and look
+/// like people.
 inline constexpr float kMirrorPart = 0.1F;
 /// Radius, blocks, in which foreground is counted (5x5), so that a person's border which only
 /// touches a block is no speckle.
@@ -137,8 +137,8 @@ inline constexpr int kBandBlocks = 1;
 /// room, and the mean of a shirt and trousers is neither.
 inline constexpr int kDeepBlocks = 3;
 /// Pixels, along rows and columns, in which foreground depth is looked for to fill people's pixels
-/// without depth. Where the two depths found have at least the ratio kFillRatio and lie at most
-/// kFillShadow times their parallax and kFillSlackPx apart, the ToF camera cannot see the place.
+/// without depth. The nearest one counts. The ToF camera cannot see between two that differ by more
+/// than kFillRatio within kFillShadow times their parallax, plus kFillSlackPx: the farther counts.
 inline constexpr int kFillReachPx = 24;
 inline constexpr float kFillShadow = 1.25F;
 inline constexpr float kFillSlackPx = 3.0F;
@@ -149,14 +149,14 @@ inline constexpr float kNoLimitW = 1e30F;
 /// Still camera: where the background has no depth (mirror, glass, black things), w above this
 /// factor of the limit around it is foreground.
 inline constexpr float kHolePart = 1.1F;
-/// Still camera: behind an unmeasured area, w below this factor of the limit around it is a
-/// reflection, and so background.
+/// Still camera: where the background has no depth, w below this factor of the limit that kHolePart
+/// raised is a reflection, and so background.
 inline constexpr float kBehindHole = 0.85F;
 
 // --- key: colour votes, in log odds
-/// Least standard deviation of a linear colour, by camera noise.
+/// Least standard deviation of a linear colour in the dark, by camera noise.
 inline constexpr float kColorNoise = 0.004F;
-/// Standard deviation of a colour by flicker of light, as a part of the luminance.
+/// Added to kColorNoise for flicker of light, as a part of the luminance.
 inline constexpr float kColorFlicker = 0.05F;
 /// The darkest shadow of the background, as a factor of its light; what is darker counts as another
 /// colour.
@@ -172,16 +172,16 @@ inline constexpr float kColorVoteCap = 4.0F;
 inline constexpr float kBrighter = 1.1F;
 inline constexpr float kBrighterLight = 0.02F;
 inline constexpr float kBrighterVoteCap = 6.0F;
-/// A colour that is no shadowed version of the background may use the larger cap too: for every
-/// factor from kDeepestShadow to 1 it is off the learned light by kOtherColor variances (a grey
-/// sole on a red rug, whose depth is the rug's). A factor of 0.5 would key the shadows of people.
+/// Still camera: the larger cap also holds for a colour whose squared distance to the learned one,
+/// times any factor from kDeepestShadow to 1, exceeds kOtherColor variances (a grey sole on a red
+/// rug, whose depth is the rug's). A least factor of 0.5 would key the shadows of people.
 inline constexpr float kDeepestShadow = 0.3F;
 inline constexpr float kOtherColor = 16.0F;
 /// Largest colour vote where the room's colour is estimated from the pixels around, which is a
 /// rougher guess.
 inline constexpr float kRoomVoteCap = 2.5F;
-/// Weight of the log ratio of the standard deviations: half of a log ratio of variances for three
-/// channels of normal densities.
+/// Weight of the log ratio of two variances in the log odds of normal densities: one half for each
+/// of three channels.
 inline constexpr float kSpreadOdds = 1.5F;
 
 // --- key: depth votes, in log odds

@@ -35,8 +35,8 @@ class ClusterMotion {
   explicit ClusterMotion(Size samples);
   Size cells() const { return cells_; }
   /// Motion of each cell in samples a frame from `before` to `now`, both of the constructor's size;
-  /// 0 where nobody is. Cells within two cells of people move as the nearest person. Allocates
-  /// nothing.
+  /// 0 where nobody is. Cells within two cells of people move as these; of two people the one
+  /// nearer to the camera counts. Allocates nothing.
   const Image<glm::vec2>& find(const PeopleSamples& now, const PeopleSamples& before);
   /// Whether a cell moved with people in the last find(): it is within two cells of them.
   bool near_people(int x, int y) const { return spread_.row(y)[x] > 0; }

@@ -87,7 +87,7 @@ class LookMeter {
 /// Measures a compositor's first plate and logs the result.
 PictureLook measured_first(LookMeter& meter, ImageView<const Rgb8> plate);
 
-/// Table of noise of sigma 1, correlated as `grain` says: sigma = byte * kGrainSigmas / 127. It is
+/// Table of noise of sigma 1, correlated as `grain` says: noise = byte * kGrainSigmas / 127. It is
 /// periodic and deterministic.
 Image<PackedNormal> make_grain(const Grain& grain);
 /// Texel of make_grain()'s table at which the grain of a frame begins.

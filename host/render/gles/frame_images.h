@@ -10,8 +10,8 @@ namespace mixrig::render::gles {
 /// Images of one frame in flight.
 class FrameImages {
  public:
-  /// Queues copies of the wanted images. `light`: null if objects take no light from lamps or the
-  /// room.
+  /// Queues copies of the wanted images. `light`: null if no object takes light from other
+  /// surfaces.
   void start(OutputMask wanted, const Passes& passes, const LightPass* light);
   /// Waits for the copies and stores them in `output`, whose wanted images have the view's size.
   /// Images that the scene does not produce are filled with constants. Errors: those of ReadBack.

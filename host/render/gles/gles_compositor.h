@@ -60,7 +60,7 @@ class GlesCompositor final : public Compositor {
   Result<void> draw_mix(OutputMask wanted);
   /// Null if nothing is keyed.
   const KeyPass* key() const { return passes_.key ? &passes_.key->pass() : nullptr; }
-  /// Null if objects take no light from lamps or the room.
+  /// Null if no object takes light from other surfaces, or nothing is keyed.
   const LightPass* light_map() const { return things_ ? things_->light_map(key()) : nullptr; }
 
   EglContext context_;  // destroyed last

@@ -31,8 +31,8 @@ struct ContactShade {
   std::vector<HiddenShares> hidden;  ///< [z][y][x], kContactNodes along each; empty: no object
 };
 
-/// Builds the grid of an object, scaled. The object is taken to stand on a floor at its lowest
-/// point, which darkens it too. Takes some 0.1 s for 10000 triangles; pure.
+/// Builds the grid of an object, scaled. It is taken to stand at its lowest point on a floor, which
+/// it darkens, so that the floor sends less light back. Takes some 0.1 s for 10000 triangles; pure.
 ContactShade make_contact_shade(const VirtualObject& object);
 
 /// Whether an object of the setup has a contact grid: geometry::Light::contact is set, the object

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds planes in a depth picture, by the means of square cells of its pixels.
+// Finds planes in a depth picture, from the means over square cells of its pixels.
 #pragma once
 
 #include <cmath>
@@ -51,8 +51,8 @@ Cells make_cells(ImageView<const float> depth_m, const geometry::Pinhole& view,
 /// first. Pure.
 std::vector<WPlane> find_planes(const Cells& cells);
 
-/// For each cell, the planes of nearby regions whose cells lie on both sides of the plane alike.
-/// Pure.
+/// For each cell, the planes on which the cells around it lie, alike on both sides of the plane,
+/// and such planes of the cells up to two beside it. Pure.
 std::vector<PlaneSet> planes_near(const Cells& cells, const std::vector<WPlane>& planes);
 
 }  // namespace mixrig::render

@@ -82,7 +82,7 @@ void join_outliers(ImageView<const float> depth_m, const geometry::Pinhole& view
     }
 }
 
-/// The plane that most of eight directions from an unknown pixel meet first; kUnknown if none.
+/// The plane that most of the directions (of eight, at least 3) that meet a known pixel meet first.
 std::uint8_t plane_around(const Image<std::uint8_t>& plane_of, int u, int v) {
   constexpr std::array<std::array<int, 2>, 8> kWays{
       {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};

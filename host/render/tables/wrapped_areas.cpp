@@ -25,7 +25,7 @@ constexpr double kLeastOfPicture = 0.002, kMostOfPicture = 0.5;
 constexpr double kLeastBehind = 0.8;  ///< share of the border that has something behind it
 /// Least noise over squared depth of a wrapped area, relative to the picture's median.
 constexpr float kWrappedNoise = 5;
-/// Widest strip without depth beside a border, as one over this part of the picture's width.
+/// The picture's width over this is the widest strip without depth that is looked across.
 constexpr int kStripOfWidth = 64;
 constexpr int kFits = 4;
 

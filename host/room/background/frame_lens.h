@@ -23,9 +23,9 @@ geometry::Pose world_from_pupil(const geometry::Pose& world_from_target,
 /// Counts frames of a zooming lens.
 struct LensReport {
   std::array<std::uint64_t, capture::kLensOrigins> frames{};  ///< by LensOrigin
-  std::uint64_t changed = 0;               ///< frames whose lens is not that of the frame before
-  std::uint64_t beyond_background = 0;     ///< whose view shows more than was learned of the room
-  double least_fx_px = 0, most_fx_px = 0;  ///< of the lens
+  std::uint64_t changed = 0;            ///< frames whose lens differs from that of the frame before
+  std::uint64_t beyond_background = 0;  ///< frames whose view shows more than was learned
+  double least_fx_px = 0, most_fx_px = 0;  ///< range of the focal length over all frames
 };
 
 /// Counts the lenses of frames, and warns once of each problem. Only warnings allocate. For one
@@ -34,11 +34,8 @@ class LensWatch {
  public:
   /// `learned`: the single view that people are keyed against; null if the room was scanned or
   /// nothing was learned. It must outlive this object.
-  /// Frames whose lens differs from that of the frame before.
   LensWatch(const render::CompositorSetup& setup, const model::StaticBackground* learned)
-      /// Frames whose view shows more than was learned of the room.
       : setup_(setup), learned_(learned) {}
-  /// Range over all frames.
   void add(const capture::Capture& capture, const geometry::Pose& world_from_target);
   /// Nullopt if all frames have the setup's lens.
   const std::optional<LensReport>& report() const { return report_; }

@@ -36,8 +36,8 @@ BracketLight light_of_bracket(std::span<const BracketShot> shots);
 using PixelOfRay = std::function<std::optional<Eigen::Vector2d>(const Eigen::Vector3d& ray)>;
 
 struct RegionLight {
-  double radiance = 0;         ///< share of its rays that are too bright for all shots
-  double saturated_share = 0;  ///< of its rays: what is too bright for all shots
+  double radiance = 0;         ///< mean over the region's solid angle, unit of BracketLight
+  double saturated_share = 0;  ///< share of its rays that are too bright for all shots
 };
 
 /// Light of a region, by its rays, in a bracket taken from the same place. Rays outside the picture

@@ -23,8 +23,8 @@ struct RegionOptions {
 };
 
 /// A pixel of a region.
-struct RegionRay {            ///< unit, in axes of RayOfPixel
-  Eigen::Vector3d direction;  ///< unit, axes of the rays
+struct RegionRay {
+  Eigen::Vector3d direction;  ///< unit, in axes of RayOfPixel
   double solid_angle_sr = 0;
 };
 

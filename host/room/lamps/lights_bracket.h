@@ -13,10 +13,9 @@
 namespace mixrig::session {
 
 /// A fisheye picture of a bracket.
-/// Relative to the other pictures, above 0.
 struct BracketFile {
   std::filesystem::path picture;
-  double exposure = 1;  ///< relative to that of the other ones, above 0
+  double exposure = 1;  ///< relative to the other pictures' exposures, above 0
 };
 
 /// Relative mean radiance of each lamp, by its region in view `view`, from whose place the pictures

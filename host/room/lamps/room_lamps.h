@@ -7,9 +7,9 @@
 namespace mixrig::lights {
 
 /// Finds the saturated regions of the panorama's colour, as one view from the origin of the scan.
-/// If the panorama has light (color.exr), that is used at a lower exposure, at which half of the
-/// brightest 2e-4 sr saturates, or a quarter if that is above 1.5 times white: then white things
-/// that are saturated in the plates are not found.
+/// If the panorama has light (color.exr), that is used at a lower exposure: what is half as bright
+/// as the brightest 2e-4 sr saturates, or a quarter as bright if half is above 1.5 times white.
+/// White things that are saturated in the plates are then not found.
 LampView view_of_room(const RoomSurfaces& room, const RegionOptions& options = {});
 
 }  // namespace mixrig::lights

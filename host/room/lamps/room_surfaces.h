@@ -33,7 +33,7 @@ class RoomSurfaces {
   std::optional<SurfacePoint> at(int x, int y) const;
   /// The surface that the scan saw in the direction of a point.
   std::optional<SurfacePoint> towards(const Eigen::Vector3d& position_m) const;
-  /// The first surface on a ray, in steps of a fiftieth of its length; nullopt if it meets none.
+  /// The first surface on a ray, in at most 400 steps of 3 cm or more; nullopt if it meets none.
   std::optional<SurfacePoint> meet(const Eigen::Vector3d& from_m, const Eigen::Vector3d& ray,
                                    double most_m = 20) const;
   /// Whether a point lies more than `margin_m` behind a large plane that continues around it: seen

@@ -57,7 +57,7 @@ class RunExtra {
   /// Call it after open(). Null: it moves no object. A run of a recording waits before each frame
   /// for the sinks of an extra that moves objects, so that the same take gives the same pictures.
   virtual ObjectMover* mover() { return nullptr; }
-  /// Adds its keys to report.json (CONVENTIONS.md).
+  /// Adds its keys to report.json (docs/reference/report.md).
   virtual void add_to(nlohmann::json& report) const = 0;
   /// Its lines of the table that `mixrig run` prints.
   virtual std::string lines() const { return {}; }

@@ -25,9 +25,9 @@ class CaptureFeed {
   /// Errors: those of the source.
   Result<std::optional<capture::CaptureItem>> next();
   /// Puts back the first capture, with which the run was warmed up. In a live run, captures exposed
-  /// before `now` then count as late.
+  /// more than 1.5 frame periods before `now` then count as late.
   void give_back(capture::CaptureItem item, HostTime now);
-  /// Like next(), but skips late captures, except the last one that there is.
+  /// Like next(), but the first call after give_back() skips late captures, save the last there is.
   Result<std::optional<capture::CaptureItem>> next_fresh();
 
   /// Number of captures that next_fresh() skipped.

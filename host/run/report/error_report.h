@@ -17,8 +17,8 @@ double rounded(double value, int digits = 4);
 /// null where there is none, else rounded.
 nlohmann::json or_null(const std::optional<double>& value);
 
-/// `error` of a report: an error measure without a pixel to judge becomes null. CONVENTIONS.md
-/// defines the keys.
+/// `error` of a report: an error measure without a pixel to judge becomes null.
+/// docs/reference/measures.md defines the keys.
 nlohmann::json to_json(const measure::Errors& errors);
 /// A row for each measure; a column for the run, then one for each plain composite beside it.
 std::string error_table(const measure::Errors& errors,

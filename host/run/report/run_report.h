@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report of a run: speed, memory, error. CONVENTIONS.md defines the keys.
+// The report of a run: speed, memory, error. docs/reference/report.md defines the keys.
 #pragma once
 
 #include <array>
@@ -59,7 +59,7 @@ struct FrameReport {
   measure::QuantileSketch frame_ms;  ///< decoded frame to finished composite
   std::array<measure::QuantileSketch, static_cast<std::size_t>(render::Stage::kCount)> stage_ms;
   measure::QuantileSketch latency_ms;      ///< live: mid-exposure to finished composite
-  measure::QuantileSketch foreground_pct;  ///< share of pixels with a matte of at least 0.5
+  measure::QuantileSketch foreground_pct;  ///< share of a frame's pixels with a matte >= 0.5
 };
 
 /// Report of the compositor and of what it followed.
@@ -96,7 +96,7 @@ struct RunReport {
 /// One over the mean frame time; 0 without frames.
 double fps(const RunReport& report);
 nlohmann::json to_json(const RunReport& report);
-/// The same as a text table: stages with median and 95th percentile, then the errors.
+/// The report as a text table: stages with median and 95th percentile, then the errors.
 std::string to_table(const RunReport& report);
 
 /// Peak resident set of this process, from /proc/self/status; 0 if not available.

@@ -53,7 +53,7 @@ struct KeptColor {
 
 /// Sets the depth of a pixel of model `model` (index as in models()); rows run over all faces.
 void set_depth(KeptBackground& background, std::size_t model, int x, int row, KeptPixel pixel);
-/// Sets the colour of a pixel of a model; the colour picture is finer by color_factor.
+/// Sets a pixel (`x`, `row`) of a model's colour picture, which is finer by color_factor.
 void set_color(KeptBackground& background, std::size_t model, int x, int row,
                const KeptColor& pixel);
 

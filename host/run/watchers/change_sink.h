@@ -18,14 +18,14 @@
 
 namespace mixrig::session {
 
-/// Looks at about one of five frames that it is given, in a picture 160 pixels wide. write() and
-/// finish() run in the sink's thread; other threads as stated. Memory is constant, except for the
-/// frames from which a change is learned.
+/// Looks at each frame that it is given (about one of five, by RoomKeeper), in a picture 160 pixels
+/// wide. write() and finish() run in the sink's thread; other threads as stated. Memory is constant
+/// except for the frames from which a change is learned.
 class ChangeSink final : public output::CompositeSink {
  public:
   static constexpr int kFrameStep = 5;
   static constexpr int kWidth_px = 160;
-  /// Number of frames that must each see half of the change.
+  /// Number of examined frames that must each see half of the change.
   static constexpr int kLearnFrames = 9;
 
   /// Whether the session's background can be watched: it is drawn from its place at each pose, or

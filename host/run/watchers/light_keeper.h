@@ -37,8 +37,8 @@ class LightKeeper {
  public:
   LightKeeper(const Session& session, bool live) : session_(session), live_(live) {}
 
-  /// Opens the watch. Errors: kFormat without a lamp, or if the background is not a single view of
-  /// a still camera, for which alone each lamp's part in a pixel is known.
+  /// Opens the watch. Errors: kFormat without a lamp or a virtual object, or if the background is
+  /// not a single view of a still camera, for which alone each lamp's part in a pixel is known.
   Result<void> open(WorkGate* gate);
   bool is_open() const { return watch_.sink() != nullptr; }
   /// Gives about one of five finished frames to the watch, and the second frame after one in which

@@ -37,8 +37,8 @@ class LookKeeper {
 
   LookKeeper(const Session& session, bool live) : session_(session), live_(live) {}
 
-  /// Opens the watch; it stays closed if the scene wants nothing that is measured, or measures once
-  /// only.
+  /// Opens the watch; it stays closed without objects, or if the scene wants nothing that is
+  /// measured, or measures once only.
   void open(WorkGate* gate);
   /// Gives one of kLookStep frames to the watch: one during whose exposure the camera moved by less
   /// than kMostWay_px. Errors: those of an earlier frame.

@@ -250,7 +250,7 @@ void MovingBackground::find_planes(const Run& run, std::int32_t* plane) const {
   }
 }
 
-/// Writes the light depth and wrapped depth of a row, after its depth is drawn.
+/// Writes a row's depth for light, and moves wrapped depth to its plane; the depth is drawn before.
 void MovingBackground::light_row(int y) {
   constexpr auto kNearestW = static_cast<float>(1 / kNearestM);
   constexpr float kFarthestW = 1 / kFarthestM;

@@ -22,9 +22,9 @@ enum class DrawnFor {
   kPictures,  ///< for a caller that wants depth and colours only: half the memory
 };
 
-/// The background at the last pose, in images of the view's size. Places that no model saw are
-/// unknown: depth 0, colour negative, no limit. Where several models saw a surface, its sigma,
-/// normal and colour come from the model that saw it most centrally in a face, and from nearest.
+/// The background at the last pose, in images of the view's size. What no model saw, or only hidden
+/// behind another surface, is unknown: depth 0, colour negative, no limit. Where several models saw
+/// a surface, sigma, normal and colour come from the one that saw it from nearest, most centrally.
 class MovingBackground {
  public:
   /// Reads the models' images now and borrows nothing.
@@ -32,8 +32,8 @@ class MovingBackground {
                    DrawnFor drawn_for = DrawnFor::kComposites);
   /// Draws the depth. Colours stay those of earlier draws until draw_color().
   void draw(Crew& crew, const geometry::Pose& world_from_camera);
-  /// Also draws tables.key_limit_w. Without `with_light` the frame shows no objects, and wrapped
-  /// depth is kept. Precondition: made for composites.
+  /// Draws the depth and tables.key_limit_w. Without `with_light` the frame shows no objects, and
+  /// wrapped depth is kept. Precondition: made for composites.
   void draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables,
             bool with_light = true);
   /// Takes the view of `setup`, whose size must not change, for later draws. Allocates nothing.

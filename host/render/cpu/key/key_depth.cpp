@@ -34,7 +34,7 @@ struct DepthFill {
     return out;
   }
 
-  /// The better one of both sides of a pixel along a direction.
+  /// The nearer side of a pixel; its depth is the farther one of both if the place may be hidden.
   static Beside of(const Beside& a, const Beside& b, float parallax_px_m) {
     const Beside& near = a.px <= b.px ? a : b;
     if (!a.known() || !b.known()) return near;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kWide = kBlockPx + 2;
 
-/// Difference of two pixels: differences of the roots of the three channels, summed.
+/// Difference of two pixels: about that of the roots of the channels, summed, up to a factor.
 float difference(Rgbx16 a, Rgbx16 b) {
   const auto apart = [](std::uint16_t p, std::uint16_t q) {
     return std::abs(static_cast<float>(p) - static_cast<float>(q));

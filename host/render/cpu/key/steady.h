@@ -16,7 +16,7 @@ struct FrameBefore {
   const Image<std::uint8_t>& matte;
   const Image<glm::vec2>& motion_px;  ///< from PeopleMotion, one a cell
   int cell_px = 1;
-  /// Size of a ToF pixel: where background is measured all around within it, nothing is added.
+  /// Size of a ToF pixel in the view: background measured this far on all sides gains no people.
   int reach_px = 1;
 };
 

@@ -53,7 +53,7 @@ class LampChanges {
  public:
   /// Precondition: at most kMostLamps.
   void add(std::size_t lamp, float change) { changes_[count_++] = {change, lamp}; }
-  /// The other ones change by kMostChange together, with `other` that changes besides.
+  /// Lamps without which the remaining ones, and `other`, change by at most kMostChange together.
   LampSet too_large(float other = 0) {
     std::sort(changes_.begin(), changes_.begin() + static_cast<std::ptrdiff_t>(count_));
     LampSet set = 0;

@@ -48,7 +48,7 @@ bool light_ratio_past_people(const FrameParams& frame, const std::vector<ShadowM
 /// The shares that light_ratio() sums, for real surfaces.
 struct LightShares {
   std::array<FloatLanes, kMostLamps> part,
-      lost;  ///< of a lamp in doubt: share of all light, hidden
+      lost;  ///< of a lamp in doubt: its share of all light; how much of that is hidden
   /// Share of all light that is lost of the ambient light; negative where more is sent.
   FloatLanes ambient;
   /// Precondition: at most kMostLamps maps.

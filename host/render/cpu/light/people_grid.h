@@ -18,7 +18,7 @@ namespace mixrig::render::cpu {
 inline constexpr float kWideInCells = 2;
 
 struct PeopleGrid {
-  RoomShadeParams at;        ///< place of the grid
+  RoomShadeParams at;        ///< where the points of the grid lie
   LampSet lamps = 0;         ///< lamps that the grid holds in this frame
   std::vector<float> share;  ///< share of each lamp that a point sees past people: [lamp][z][y][x]
   std::size_t points() const {

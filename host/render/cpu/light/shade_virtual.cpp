@@ -14,8 +14,8 @@
 namespace mixrig::render::cpu {
 namespace {
 
-/// Of the light of 2x2 pixels that are looked at once: what differs more from one to the next is
-/// seen as a step.
+/// Largest relative difference of light between neighbouring squares of 2x2 pixels; a larger one
+/// would be seen as a step.
 constexpr float kMostOfSquare = 0.05F;
 
 ShadingLanes shading_in_cell(const LightInput& input, const VirtualCells& cells, int column,
@@ -45,7 +45,7 @@ class SquareLights {
     range.looked_at_once |= place.side == 2;
   }
   bool find_uneven();
-  /// Of the square of pixel (x, y). After find_uneven().
+  /// Whether the square of pixel (x, y) is uneven. Call it after find_uneven().
   bool is_uneven(int x, int y) const { return ranges_[at(x, y)].uneven; }
 
  private:
@@ -66,8 +66,8 @@ class SquareLights {
   std::array<Range, kSide * kSide> ranges_;
 };
 
-/// Of the squares that were looked at once, those whose light is not that of a neighbour. False:
-/// none.
+/// Marks squares that were looked at once and whose light differs from a neighbour's. Returns
+/// whether there are any.
 bool SquareLights::find_uneven() {
   bool any = false;
   const auto compare = [&](Range& a, Range& b) {

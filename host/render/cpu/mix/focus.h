@@ -33,7 +33,7 @@ struct FocusScratch {
   };
   Plane r, g, b;    ///< linear light, 1 = white, times `share`
   Plane w;          ///< 1/z; a pixel without depth takes that of its left neighbour
-  Plane radius_px;  ///< radius of the pixel's disc; unset in the margins
+  Plane radius_px;  ///< radius of the pixel's disc; 0 in the margins
   Plane share;      ///< 1 / (area of the disc in pixels); 0 in the margins
   /// Running sums, along a row, of light and pixel count before a pixel: a run is the difference of
   /// two.

@@ -19,7 +19,7 @@ struct Parts {
   std::optional<glm::vec3> room;  ///< the background's own colour under the light map, if known
 };
 
-/// Whether the object lies behind the background, by more than contact noise. A background that is
+/// Whether the object lies behind the background, by more than kContactSlackM. A background that is
 /// open or not shown has depth 0 and hides nothing.
 inline bool is_behind_background(const Parts& p) {
   return p.background_m > 0 && p.virtual_m > p.background_m + kContactSlackM;

@@ -18,7 +18,7 @@ FloatLanes floor_of(FloatLanes f) {
   return whole + to_float(whole > f);  // true is -1
 }
 
-/// Wraps texel numbers from -1 to size of a repeating texture.
+/// Wraps texel numbers, from -1 on, of a repeating texture.
 IntLanes wrapped(IntLanes i, int size) {
   i = i < 0 ? i + size : i;
   while (any(i >= size)) i = i >= size ? i - size : i;

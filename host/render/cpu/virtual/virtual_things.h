@@ -39,7 +39,7 @@ class VirtualThings {
   /// The layer that this frame mixes. Call it after blur().
   const VirtualLayer& mixed() const { return *mixed_; }
   const GrainOf* grain() const { return grain_.any() ? &grain_ : nullptr; }
-  /// Null if objects take no light from lamps or the room.
+  /// Null if no object takes light from other surfaces.
   const LightLayer* light() const { return has_shadows(frame_) ? &light_ : nullptr; }
 
  private:

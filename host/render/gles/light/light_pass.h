@@ -39,8 +39,8 @@ class LightPass {
     const Texture& visible_w;
   };
   /// Inputs for shadows of people on the background; maps 0: none.
-  struct PastPeople {  ///< from PeopleShadowPass
-    GLuint maps = 0;   ///< of PeopleShadowPass
+  struct PastPeople {
+    GLuint maps = 0;  ///< of PeopleShadowPass
     const Texture* background_m = nullptr;
     const Texture* normal = nullptr;
   };

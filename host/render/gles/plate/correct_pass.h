@@ -18,7 +18,7 @@ class CorrectPass {
   void draw_depth() const;
   void link(const Texture& z_m) const { run_into(link_.target, link_, {&z_m, &step_}); }
   const Texture& tof_ray() const { return ray_; }
-  /// z as measured, GL_R32F, metres, 0 unknown.
+  /// z as measured, without stray pieces, GL_R32F, metres, 0 unknown.
   const Texture& raw_z_m() const { return raw_z_; }
   /// z without flying pixels; z_m() is that, smoothed. Same format.
   const Texture& clean_z_m() const { return clean_z_; }

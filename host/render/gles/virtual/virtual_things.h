@@ -41,7 +41,7 @@ class VirtualThings {
   /// Blurs the objects by the lens, then by the camera's motion.
   void blur(const std::optional<CameraMotion>& motion);
 
-  /// Null if objects take no light from lamps or the room, or nothing is keyed. Call it after
+  /// Null if no object takes light from other surfaces, or nothing is keyed. Call it after
   /// draw().
   const LightPass* light_map(const KeyPass* key) const {
     return has_shadows_ && key != nullptr ? &light_ : nullptr;
