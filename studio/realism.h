@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the studio models beyond its plain look: one switch each. docs/reference/studio.md has the
-// formulas.
+// What the studio models beyond its plain look: one switch each. docs/reference/studio.md lists
+// them.
 #pragma once
 
 #include <span>
