@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pass shadow for people: what they hide from the lamps. The depth camera sees only their front, so
 // each block of the view that shows a person becomes a ball behind the measured surface, as thick
-// as the silhouette is wide there (docs/method/compositor.md).
+// as the silhouette is wide there (docs/method/light.md).
 #pragma once
 
 #include <vector>
