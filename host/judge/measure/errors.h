@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Error of composited frames against truth; CONVENTIONS.md, "Measures against truth", defines each.
+// Error of composited frames against truth; docs/reference/measures.md defines each.
 #pragma once
 
 #include <cstdint>
