@@ -64,9 +64,11 @@ TEST(RunReport, WritesWhatCouldNotBeJudgedAsNull) {
   report.error.emplace();
   report.error->key_iou = 0.96;
   const nlohmann::json error = to_json(report)["error"];
-  EXPECT_EQ(error.size(), 20U);
+  EXPECT_EQ(error.size(), 22U);
   EXPECT_EQ(error["key_iou"], 0.96);
   EXPECT_TRUE(error["order_wrong_pct"].is_null());
+  EXPECT_TRUE(error["scraps"]["person_through_object"].is_null());
+  EXPECT_TRUE(error["stairs"]["virtual_width_px"].is_null());
   EXPECT_EQ(to_json(report).dump().find("nan"), std::string::npos);
   EXPECT_NE(to_table(report).find("order_wrong_pct                  -"), std::string::npos);
 }
