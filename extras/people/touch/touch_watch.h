@@ -13,11 +13,11 @@
 
 namespace mixrig::touch {
 
-/// Of people, by their seen surface, else by a proxy for the side of the body that nothing sees,
-/// which has to be in the object by two standard deviations; of objects among each other, where
-/// they have moved, without kHit, which Physics tells of; of objects in the room, where they first
-/// stand. One thread. Allocates where
-/// somebody new is near an object, and for events.
+/// Detects contacts of people with objects from their visible surface, or from a body proxy on the
+/// side that no camera sees, which must be inside the object by kProxySigmas. Also detects contacts
+/// between objects that have moved (without kHit, which Physics reports), and of objects with the
+/// room, where they first stand. One thread. Allocates where somebody new comes near an object, and
+/// for events.
 class TouchWatch {
  public:
   static constexpr double kProxySigmas = 2;

@@ -45,8 +45,8 @@ float luminance_of(const Rgb8& c) {
   return render::luminance({linear[c.r], linear[c.g], linear[c.b]});
 }
 
-/// Of each source, light now over light then; 1 where a change is not certain, or half as large as
-/// would be where it has changed before.
+/// Ratio of each lamp's light to its learned light; 1 if the change is insignificant. Half the
+/// threshold holds for a lamp that has changed before.
 std::vector<double> factors_of(const lights::LightChange& change, const std::vector<double>& told) {
   std::vector<double> factors;
   for (Eigen::Index j = 0; j < change.shown.size(); ++j) {

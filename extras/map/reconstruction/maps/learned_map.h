@@ -20,7 +20,7 @@ namespace mixrig::reconstruction {
 /// A place of the room in axes and units of the map.
 struct MapPoint {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  /// Of the place, the poses of the key pictures taken as known.
+  /// Covariance of `place`, m^2, with the poses of the key frames fixed.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   int views = 0;                                 ///< key pictures that see it
   int key = 0;                                   ///< the key picture that its look is taken from
