@@ -15,38 +15,42 @@ static_assert(kWindowRows <= 32);
 constexpr int kMiddle = kStrayReachPx + 1;
 constexpr std::uint32_t kOutermost = 1U | 1U << (kWindowRows - 1);
 
-/// The window around a pixel, a bit a pixel.
-using Bits = std::array<std::uint32_t, kWindowRows>;
-
-Bits near_pixels(const float* p, Stride stride) {
-  const float limit = kStrayGap * *p;
-  Bits near{};
-  for (int j = 0; j < kWindowRows; ++j) {
-    const float* row = p + (j - kMiddle) * stride - kMiddle;
-    for (int i = 0; i < kWindowRows; ++i)
-      near[static_cast<std::size_t>(j)] |=
-          static_cast<std::uint32_t>((row[i] > 0) & (row[i] <= limit)) << i;
-  }
+/// A row of the window around a pixel, a bit a pixel: 1 where depth is known and at most `limit_m`.
+std::uint32_t near_pixels(const float* row, float limit_m) {
+  std::uint32_t near = 0;
+  for (int i = 0; i < kWindowRows; ++i)
+    near |= static_cast<std::uint32_t>((row[i] > 0) & (row[i] <= limit_m)) << i;
   return near;
 }
 
-/// Pixels that are connected with the middle one; all of the window's where they reach its border.
-int piece_px(const Bits& near) {
-  Bits piece{};
+constexpr int kTooLarge = kWindowRows * kWindowRows;
+
+/// Number of pixels that are connected with *p; kTooLarge for more than `most` and where they reach
+/// the window's border. Rows are read as the piece grows into them.
+int piece_px(const float* p, Stride stride, int most) {
+  std::array<std::uint32_t, kWindowRows> near{}, piece{};
+  const auto read = [&](int row) {
+    near[static_cast<std::size_t>(row)] =
+        near_pixels(p + (row - kMiddle) * stride - kMiddle, kStrayGap * *p);
+  };
+  int first = kMiddle, last = kMiddle, count = 0;
+  read(kMiddle);
   piece[kMiddle] = 1U << kMiddle;
   for (bool grows = true; grows;) {
-    grows = false;
-    for (std::size_t j = 1; j + 1 < kWindowRows; ++j) {
+    if (piece[static_cast<std::size_t>(first)] != 0) read(--first);
+    if (piece[static_cast<std::size_t>(last)] != 0) read(++last);
+    if (first == 0 || last == kWindowRows - 1) return kTooLarge;
+    grows = false, count = 0;
+    for (auto j = static_cast<std::size_t>(first); j <= static_cast<std::size_t>(last); ++j) {
       const std::uint32_t rows = piece[j - 1] | piece[j] | piece[j + 1];
       const std::uint32_t joined = near[j] & (rows | rows << 1 | rows >> 1);
       grows |= joined != piece[j];
       piece[j] = joined;
-      if (joined & kOutermost) return kWindowRows * kWindowRows;
+      count += std::popcount(joined);
+      if (joined & kOutermost) return kTooLarge;
     }
-    if ((piece[1] | piece[kWindowRows - 2]) != 0) return kWindowRows * kWindowRows;
+    if (count > most) return kTooLarge;
   }
-  int count = 0;
-  for (const std::uint32_t row : piece) count += std::popcount(row);
   return count;
 }
 
@@ -80,8 +84,8 @@ void drop_stray_pieces(const CorrectParams& params, const float* z_m, Stride str
     for (int i = 0; i < count; ++i) {
       if (!may[static_cast<std::size_t>(i)]) continue;
       const float* p = z_m + x0 + i;
-      const auto px = static_cast<float>(piece_px(near_pixels(p, stride)));
-      if (px * *p * *p <= params.stray_px_m2) out_m[x0 + i] = 0;
+      const int most = static_cast<int>(std::min(params.stray_px_m2 / (*p * *p), 1.0F * kTooLarge));
+      if (piece_px(p, stride, most) <= most) out_m[x0 + i] = 0;
     }
   }
 }
