@@ -25,7 +25,8 @@ bool is_near(ivec2 at, float limit) {
 // Whether two opposite pixels at the reach are both near.
 bool runs_through(ivec2 at, float limit) {
   for (int i = 0; i < 4; ++i)
-    if (is_near(at + stray_reach_px * axes[i], limit) && is_near(at - stray_reach_px * axes[i], limit))
+    if (is_near(at + stray_reach_px * axes[i], limit) &&
+        is_near(at - stray_reach_px * axes[i], limit))
       return true;
   return false;
 }

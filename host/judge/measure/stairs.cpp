@@ -39,7 +39,7 @@ struct Crossing {
   double at_px, width_px;
 };
 
-/// Of a step from 0 to 1: where it first passes a share, between its ends.
+/// Finds where a step from 0 to 1 first passes a share, between its ends.
 std::optional<double> passes(const std::array<double, kAcross>& step, double share) {
   for (std::size_t k = kEnd_px - 1; k + kEnd_px < kAcross; ++k)
     if (step[k] < share && step[k + 1] >= share)
@@ -47,7 +47,8 @@ std::optional<double> passes(const std::array<double, kAcross>& step, double sha
   return std::nullopt;
 }
 
-/// Where labels change after pixel `across` of a line.
+/// Measures the step of brightness where labels change after pixel `across` of a line; nullopt
+/// where its sides are not even or too alike.
 std::optional<Crossing> crossing(const Lines& lines, int along, int across) {
   const int before = lines.layer(along, across), after = lines.layer(along, across + 1);
   std::array<double, kAcross> step;
@@ -72,7 +73,8 @@ std::optional<Crossing> crossing(const Lines& lines, int along, int across) {
   return Crossing{across + 1 - kReach_px + *half, *rest - *tenth};
 }
 
-/// Borders of a layer to the background, at the pixel before each; kNoBorder elsewhere.
+/// Place and width of the borders between a layer and the background, stored at the pixel before
+/// each; kNoBorder elsewhere.
 struct Borders {
   Image<float> at_px, width_px;
 

@@ -13,7 +13,7 @@ namespace mixrig::measure {
 /// Pixels along a border that are held against one straight line.
 inline constexpr int kStairPiece_px = 16;
 
-/// Of the straight pieces of a layer's border.
+/// Sums over the straight pieces of a layer's border.
 struct Stairs {
   Sum off_line_px;  ///< mean_off_line_px() of each
   Sum width_px;     ///< from 10 to 90 % of the step of brightness, across the border

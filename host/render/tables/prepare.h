@@ -72,7 +72,7 @@ Image<glm::vec2> tof_rays(const geometry::CameraModel& tof);
 
 /// Computes CorrectParams::bends_part for a depth camera. Pure.
 float bends_part(const geometry::CameraModel& tof);
-/// CorrectParams::stray_px_m2 of a depth camera. Pure.
+/// Computes CorrectParams::stray_px_m2 for a depth camera. Pure.
 float stray_px_m2(const geometry::CameraModel& tof);
 
 /// Builds the tables of a take. Precondition: validate(setup) holds.
