@@ -7,7 +7,7 @@
 //   plate        linear light
 //   line, people of key_lines.frag, bilinear over the centres of tiles
 //   learned      background colour, linear, red negative where unknown
-//   w            1/m, sign aside; 0 unknown
+//   w            1/m, negative where a cut cell drew it; 0 unknown
 //   plate_before, matte_before  of the frame before; motion_px of each cell since then
 //   matte        people, 0..1
 //   visible_w    inverse depth of the visible real surface, 1/m, 0 unknown
@@ -77,7 +77,7 @@ bool is_foreground_at(ivec2 at) {
          (int(texelFetch(counts, at / block_px, 0).w) & 4) == 0;
 }
 
-// Foreground beside a pixel: distance (beyond the reach: none) and inverse depth.
+// Foreground of a whole cell beside a pixel: distance (beyond the reach: none) and inverse depth.
 struct Beside {
   int px;
   float w;
@@ -88,15 +88,15 @@ Beside beside(ivec2 at, ivec2 way) {
   for (int d = 1; d <= fill_reach_px; ++d) {
     at += way;
     if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) break;
-    if (is_foreground_at(at)) return Beside(d, abs(texelFetch(w, at, 0).r));
+    float whole_w = texelFetch(w, at, 0).r;
+    if (whole_w > 0.0 && is_foreground_at(at)) return Beside(d, whole_w);
   }
   return Beside(fill_reach_px + 1, 0.0);
 }
 
 // The better one of both sides of a pixel along a direction: the rear one where the ToF camera
 // cannot see the place.
-Beside nearest(ivec2 at, ivec2 way, float parallax) {
-  Beside a = beside(at, -way), b = beside(at, way);
+Beside nearest(Beside a, Beside b, float parallax) {
   bool both = max(a.px, b.px) <= fill_reach_px;
   float hidden_px = fill_shadow * parallax * abs(a.w - b.w), least_w = min(a.w, b.w);
   bool may_be_hidden = float(a.px + b.px - 1) <= hidden_px + fill_slack_px;
@@ -106,9 +106,22 @@ Beside nearest(ivec2 at, ivec2 way, float parallax) {
   return near;
 }
 
-float filled_w(ivec2 at, float otherwise) {
-  Beside row = nearest(at, ivec2(1, 0), parallax_px_m.x);
-  Beside column = nearest(at, ivec2(0, 1), parallax_px_m.y);
+bool differs(Beside side, float own) {
+  return max(own, side.w) > fill_ratio * min(own, side.w);
+}
+
+// Inverse depth of people's pixel: its own, 0 if none, unless a cut cell drew it and whole cells
+// contradict on all sides that have some; else that of the best side.
+float people_w(ivec2 at, float own, bool is_cut, float otherwise) {
+  if (own > 0.0 && !is_cut) return own;
+  Beside left = beside(at, ivec2(-1, 0)), right = beside(at, ivec2(1, 0));
+  Beside above = beside(at, ivec2(0, -1)), below = beside(at, ivec2(0, 1));
+  Beside row = nearest(left, right, parallax_px_m.x);
+  Beside column = nearest(above, below, parallax_px_m.y);
+  bool some = min(row.px, column.px) <= fill_reach_px;
+  if (own > 0.0 && (!some || !(differs(left, own) && differs(right, own) && differs(above, own) &&
+                               differs(below, own))))
+    return own;
   Beside near = Beside(min(row.px, column.px), row.px <= column.px ? row.w : column.w);
   return near.px <= fill_reach_px ? near.w : otherwise;
 }
@@ -171,8 +184,9 @@ void main() {
   if (refine) matte = refined(at);
   if (has_before) matte = steadied(at, matte);
   bool is_foreground = is_foreground_at(at), is_person = matte > 0.0;
-  if (is_person == is_foreground) return;
-  visible_w = is_person ? filled_w(at, near.y) : 0.0;
+  if (!is_person && !is_foreground) return;
+  float own = is_foreground ? measured : 0.0;
+  visible_w = is_person ? people_w(at, own, texelFetch(w, at, 0).r < 0.0, near.y) : 0.0;
   // Doubt keeps a known depth that is nearer: virtual objects must not cover it.
   if (is_person && to_state(texelFetch(state, at, 0).r) == doubt)
     visible_w = max(measured, visible_w);

@@ -101,8 +101,7 @@ void main() {
     if (empty.r < 0.0) empty = real;
     color.rgb = real + room_share(real, empty, a) * (shaded.rgb - shaded.a * empty);
   }
-  float share = shaded.a * (person_before ? 1.0 - a : 1.0);
-  if (share < virtual_share) return;
+  if (shaded.a < virtual_share || (is_person && person_before)) return;
   mixed_m = z;
   layer = 2.0 / 255.0;
 }

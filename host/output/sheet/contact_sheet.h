@@ -2,15 +2,17 @@
 // A contact sheet: one row per frame of a run, with inputs and outputs of the compositor.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "hal/base/image.h"
-#include "host/render/contract/compositor.h"
+#include "host/output/sink/composite_sink.h"
 
 namespace mixrig::output {
 
-/// Collects rows of thumbnails: input, depth, key, light map, composite and, where known, truth.
+/// Collects rows of thumbnails: input, depth, key, light map, composite and, where known, truth and
+/// the largest wrong piece, enlarged: left composite, right truth.
 class ContactSheet {
  public:
   /// Images that a row needs.
@@ -18,9 +20,10 @@ class ContactSheet {
       render::kColor | render::kWarpedDepth | render::kState | render::kLight;
   explicit ContactSheet(std::string title) : title_(std::move(title)) {}
 
-  /// Adds a row. `output` holds the images of kWanted; `truth` may be empty.
+  /// Adds a row. `output` holds the images of kWanted; `truth` may be empty; `worst` is unset if
+  /// the frame is not judged.
   void add_row(int frame, ImageView<const Rgb8> plate, const render::FrameOutput& output,
-               ImageView<const Rgb8> truth);
+               ImageView<const Rgb8> truth, const std::optional<WrongPiece>& worst);
   bool empty() const { return rows_.empty(); }
   Image<Rgb8> draw() const;
 

@@ -20,7 +20,7 @@ Result<void> SheetSink::write(const CompositePtr& composite) {
   ImageView<const Rgb8> truth;
   if (composite->truth) truth = composite->truth->composite;
   sheet_.add_row(composite->capture->number, plate_of(*composite->capture), composite->images,
-                 truth);
+                 truth, composite->worst_piece);
   return {};
 }
 

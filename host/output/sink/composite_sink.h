@@ -16,6 +16,13 @@
 
 namespace mixrig::output {
 
+/// A connected piece of a composite that shows another layer than the truth: its number of pixels
+/// and its box, in pixels of the truth.
+struct WrongPiece {
+  int pixels = 0;
+  int x_px = 0, y_px = 0, width_px = 0, height_px = 0;
+};
+
 /// One composited frame with its inputs.
 struct Composite {
   capture::CapturePtr capture;
@@ -27,6 +34,8 @@ struct Composite {
   geometry::Pinhole view;            ///< view of the images
   std::optional<double> slip_px;     ///< slip of the contact points against the true pose, pixels
   std::optional<double> slip_sigma_px;  ///< slip predicted from the pose's covariance, pixels
+  /// The largest wrong piece, of 0 pixels where there is none; unset if the frame is not judged.
+  std::optional<WrongPiece> worst_piece;
   std::optional<render::CameraMotion> motion;  ///< motion during the exposure, if known
   bool objects_shown = true;  ///< false: objects are hidden because the pose is lost
   /// Poses of the scene's objects; empty: as in the scene.

@@ -93,7 +93,7 @@ class Runner {
   Result<void> compose_timed(output::Composite& composite, render::OutputMask wanted);
   Result<void> inspect_and_deliver(output::Composite& composite, const capture::Truth* truth,
                                    render::OutputMask images, bool kept);
-  Result<void> judge(const output::Composite& composite, const capture::Truth& truth);
+  Result<void> judge(output::Composite& composite, const capture::Truth& truth);
   void obey_record_orders();
   Result<void> add_last_to_sheet();
 
@@ -271,6 +271,7 @@ Result<void> Runner::inspect_and_deliver(output::Composite& composite, const cap
     MIXRIG_TRY(compositor_.compose(composite, made | needed, composite.images));
     composite.images.wanted = made;
   }
+  composite.worst_piece.reset();
   if (judged) MIXRIG_TRY(judge(composite, *truth));
   if (lent && !on_sheet) swap_inspection(composite.images, inspection_);
   MIXRIG_TRY(sinks_.deliver(last_));
@@ -292,8 +293,10 @@ Result<void> Runner::compose_timed(output::Composite& composite, render::OutputM
   return {};
 }
 
-Result<void> Runner::judge(const output::Composite& composite, const capture::Truth& truth) {
+Result<void> Runner::judge(output::Composite& composite, const capture::Truth& truth) {
   MIXRIG_TRY(judge_.add(truth, composite.images));
+  const measure::Piece& worst = judge_.worst_scrap();
+  composite.worst_piece = {worst.pixels, worst.x_px, worst.y_px, worst.width_px, worst.height_px};
   if (!baselines_) return {};
   return baselines_->add(*composite.capture, composite.world_from_target, composite.objects_shown,
                          truth);

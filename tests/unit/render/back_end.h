@@ -26,7 +26,8 @@ struct WarpedDepth {
 };
 WarpedDepth warp_depth(const render::Tables& tables, const Image<float>& depth_m, int threads);
 
-/// Of a plate in linear light. `w` is that of the view, and becomes people's where they are.
+/// Matte of a plate in linear light. `w` is the view's inverse depth, negative where a cut cell drew
+/// it, and becomes the depth of people where they are.
 Image<std::uint8_t> key_people(const render::CompositorSetup& setup, const Image<Rgbf>& plate,
                                Image<float>& w);
 

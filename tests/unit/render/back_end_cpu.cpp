@@ -49,7 +49,11 @@ Image<std::uint8_t> key_people(const render::CompositorSetup& setup, const Image
   const auto fixed =
       make_image<render::cpu::Rgbx16>(view, [&](int x, int y) { return linear16(plate.at(x, y)); });
   Image<float> padded({view.width + 3, view.height + 3}, 0.25F);
-  for (int y = 0; y < view.height; ++y) std::copy_n(w.row(y), view.width, padded.row(y));
+  for (int y = 0; y < view.height; ++y)
+    for (int x = 0; x < view.width; ++x) {
+      const auto bits = std::bit_cast<std::uint32_t>(std::abs(w.at(x, y))) & ~1U;
+      padded.at(x, y) = std::bit_cast<float>(bits | (w.at(x, y) < 0 ? 1U : 0U));
+    }
   Image<std::uint8_t> matte(view, 77);
   Crew crew(2);
   render::cpu::key(crew, {tables, preparer.params().key, setup.background, fixed}, scratch, padded,

@@ -160,6 +160,28 @@ TEST(Key, depth_that_parallax_does_not_explain_is_that_of_the_nearer_pixel) {
   for (int x = 29; x < 32; ++x) EXPECT_FLOAT_EQ(k.z_m(x), 2) << x;
 }
 
+/// Samples at borders measure a limb and what lies behind it, and have the depth of neither.
+TEST(Key, depth_of_a_cut_cell_counts_only_with_whole_cells_of_its_depth) {
+  Keyed k;
+  k.person(16, 16, 48, 48);
+  k.paint(16, 16, 48, 48, kShirt);
+  k.person(44, 20, 48, 24, -1.5F), k.person(44, 28, 48, 32, -3.2F), k.person(44, 36, 48, 40, -2.1F);
+  k.run();
+  EXPECT_FLOAT_EQ(1 / k.w.at(46, 22), 2) << "nearer than the person";
+  EXPECT_FLOAT_EQ(1 / k.w.at(46, 30), 2) << "farther than the person";
+  EXPECT_FLOAT_EQ(1 / k.w.at(46, 38), 2.1F) << "near that of the person";
+}
+
+TEST(Key, people_without_whole_cells_keep_their_depth) {
+  Keyed k;
+  k.person(16, 16, 48, 48, -2);
+  k.paint(16, 16, 48, 48, kShirt);
+  k.person(40, 16, 48, 48, -1.5F);
+  k.run();
+  EXPECT_FLOAT_EQ(1 / k.w.at(32, 32), 2);
+  EXPECT_FLOAT_EQ(1 / k.w.at(44, 32), 1.5F);
+}
+
 TEST(Key, unknown_depth_far_from_people_is_nobody) {
   Keyed k;
   for (int y = 0; y < 64; ++y)

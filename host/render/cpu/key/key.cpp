@@ -64,12 +64,14 @@ void crop_row(const KeyInput& input, const float* w, int y, int width, std::uint
   }
 }
 
-/// Makes the depth of foreground that lost the vote unknown.
-void drop_depth(const KeyScratch& scratch, int bx, int by, const Image<std::uint8_t>& matte,
+/// Makes the depth of foreground that lost the vote unknown, and clears the marks of find_alone().
+void drop_depth(KeyScratch& scratch, int bx, int by, const Image<std::uint8_t>& matte,
                 Image<float>& view_w) {
   for (int y = block_begin(by); y < block_end(by, matte.height()); ++y)
-    for (int x = block_begin(bx); x < block_end(bx, matte.width()); ++x)
+    for (int x = block_begin(bx); x < block_end(bx, matte.width()); ++x) {
+      scratch.alone.row(y)[x] = 0;
       if (scratch.state.row(y)[x] == kForeground && matte.row(y)[x] == 0) view_w.row(y)[x] = 0;
+    }
 }
 
 /// Draws the colours that a row of blocks needs: those of blocks where votes decide, and of their
@@ -148,6 +150,7 @@ KeyScratch::KeyScratch(Size view_size, float tof_footprint_px, int threads)
       planes(blocks_size),
       blocks(blocks_size.area()),
       state({blocks_size.width * kBlockPx, blocks_size.height * kBlockPx}, kBackground),
+      alone(view_size, 0),
       votes(static_cast<std::size_t>(threads)),
       refine(view_size, tof_footprint_px) {
   for (KeyVotes& v : votes) v.set_footprint(tof_footprint_px);
@@ -192,6 +195,7 @@ void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& v
     refine(crew, input, scratch.planes, scratch.refine, matte);
   if (input.before)
     join_before(crew, input.plate, scratch.planes, scratch.state, *input.before, matte);
+  each_decided([&](int bx, int by) { find_alone(input, bx, by, matte, view_w, scratch); });
   each_decided([&](int bx, int by) { fill_depth(input, scratch, bx, by, matte, view_w); });
   each_decided([&](int bx, int by) { drop_depth(scratch, bx, by, matte, view_w); });
 }

@@ -43,6 +43,7 @@ struct KeyScratch {
   BlockPlanes planes;
   std::vector<Block> blocks;
   Image<std::uint8_t> state;    ///< PixelState before colour votes; kEdge is doubt
+  Image<std::uint8_t> alone;    ///< 1 where find_alone() marked a pixel, while a frame is keyed
   std::vector<KeyVotes> votes;  ///< one for each thread
   RefineScratch refine;
   Block& at(int x, int y) { return blocks[static_cast<std::size_t>(y * blocks_size.width + x)]; }

@@ -2,7 +2,10 @@
 #include "host/render/cpu/key/key_depth.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "host/render/cpu/warp/warp.h"
 
 namespace mixrig::render::cpu {
 namespace {
@@ -10,7 +13,7 @@ namespace {
 constexpr auto kOfForeground = static_cast<std::uint8_t>(PixelState::kForeground);
 constexpr auto kOfDoubt = static_cast<std::uint8_t>(PixelState::kEdge);
 
-/// The nearest foreground on one side of a pixel.
+/// The nearest foreground on one side of a pixel that no cut cell drew.
 struct Beside {
   int px = kFillReachPx + 1;  // distance; over kFillReachPx: none
   float w = 0;
@@ -19,19 +22,20 @@ struct Beside {
 
 struct DepthFill {
   const Image<std::uint8_t>& state;
+  const Image<std::uint8_t>* alone;  ///< its pixels may be changing and are not read; null: none
   const Image<float>& view_w;
   Size size;
   glm::vec2 parallax_px_m;
 
   Beside beside(int x, int y, int dx, int dy) const {
-    Beside out;
     for (int d = 1; d <= kFillReachPx; ++d) {
       x += dx, y += dy;
       if (x < 0 || y < 0 || x >= size.width || y >= size.height) break;
-      if (state.row(y)[x] != kOfForeground) continue;
-      return {d, view_w.row(y)[x]};
+      if (state.row(y)[x] != kOfForeground || (alone && alone->row(y)[x])) continue;
+      const float w = view_w.row(y)[x];
+      if (!from_cut_cell(w)) return {d, w};
     }
-    return out;
+    return {};
   }
 
   /// The nearer side of a pixel; its depth is the farther one of both if the place may be hidden.
@@ -45,24 +49,54 @@ struct DepthFill {
     return near;
   }
 
+  /// Left, right, above, below.
+  std::array<Beside, 4> sides(int x, int y) const {
+    return {beside(x, y, -1, 0), beside(x, y, 1, 0), beside(x, y, 0, -1), beside(x, y, 0, 1)};
+  }
+
   float w_at(int x, int y, float otherwise) const {
-    const Beside row = of(beside(x, y, -1, 0), beside(x, y, 1, 0), parallax_px_m.x);
-    const Beside column = of(beside(x, y, 0, -1), beside(x, y, 0, 1), parallax_px_m.y);
+    const std::array<Beside, 4> s = sides(x, y);
+    const Beside row = of(s[0], s[1], parallax_px_m.x), column = of(s[2], s[3], parallax_px_m.y);
     const Beside& near = row.px <= column.px ? row : column;
     return near.known() ? near.w : otherwise;
+  }
+
+  /// Whether foreground of a cut cell has whole cells on some side, and none at its own depth.
+  bool is_alone(int x, int y) const {
+    const float own = view_w.row(y)[x];
+    if (!from_cut_cell(own)) return false;
+    bool known = false;
+    for (const Beside& b : sides(x, y)) {
+      if (!b.known()) continue;
+      known = true;
+      if (std::max(own, b.w) <= kFillRatio * std::min(own, b.w)) return false;
+    }
+    return known;
   }
 };
 
 }  // namespace
 
+void find_alone(const KeyInput& input, int bx, int by, const Image<std::uint8_t>& matte,
+                const Image<float>& view_w, KeyScratch& scratch) {
+  const DepthFill fill{scratch.state, nullptr, view_w, matte.size(),
+                       parallax_px_m(input.tables.warp)};
+  for (int y = block_begin(by); y < block_end(by, matte.height()); ++y)
+    for (int x = block_begin(bx); x < block_end(bx, matte.width()); ++x)
+      scratch.alone.row(y)[x] =
+          matte.row(y)[x] > 0 && scratch.state.row(y)[x] == kOfForeground && fill.is_alone(x, y);
+}
+
 void fill_depth(const KeyInput& input, const KeyScratch& scratch, int bx, int by,
                 const Image<std::uint8_t>& matte, Image<float>& view_w) {
-  const DepthFill fill{scratch.state, view_w, matte.size(), parallax_px_m(input.tables.warp)};
+  const DepthFill fill{scratch.state, &scratch.alone, view_w, matte.size(),
+                       parallax_px_m(input.tables.warp)};
   const float otherwise = scratch.at(bx, by).near_w;
   for (int y = block_begin(by); y < block_end(by, matte.height()); ++y)
     for (int x = block_begin(bx); x < block_end(bx, matte.width()); ++x) {
       const std::uint8_t state = scratch.state.row(y)[x];
-      if (state == kOfForeground || matte.row(y)[x] == 0) continue;
+      const bool measured = state == kOfForeground && scratch.alone.row(y)[x] == 0;
+      if (measured || matte.row(y)[x] == 0) continue;
       float& w = view_w.row(y)[x];
       const float beside = fill.w_at(x, y, otherwise);
       // Doubt keeps a known depth that is nearer: virtual objects must not cover it.

@@ -37,9 +37,9 @@ inline float most_background(const glm::vec3& real, const glm::vec3& behind) {
 }
 
 inline Layer visible_layer(const Parts& p) {
-  const float share = is_person_before(p) ? p.coverage * (1 - p.matte) : p.coverage;
-  if (share >= kVirtualShare) return Layer::kVirtual;
-  return p.matte >= kPersonMatte ? Layer::kPerson : Layer::kBackground;
+  const bool person = p.matte >= kPersonMatte;
+  if (p.coverage >= kVirtualShare && !(person && is_person_before(p))) return Layer::kVirtual;
+  return person ? Layer::kPerson : Layer::kBackground;
 }
 
 /// Colour of the background without people, linear, scaled by kLinearOne: learned, else the mean of
