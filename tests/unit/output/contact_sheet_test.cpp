@@ -20,7 +20,7 @@ std::pair<int, int> red_of_sheet(const std::optional<WrongPiece>& worst) {
   render::FrameOutput output;
   output.color.reset(kView, Rgb8{90, 90, 90});
   output.warped_depth_m.reset(kView, 2);
-  output.state.reset(kView, render::PixelState::kBackground);
+  output.state.reset(kView, static_cast<std::uint8_t>(render::PixelState::kBackground));
   output.light.reset(kView, 1);
   const Image<Rgb8> plate(kView, Rgb8{90, 90, 90});
   for (int y = 200; y < 204; ++y)

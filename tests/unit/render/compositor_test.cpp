@@ -103,6 +103,28 @@ TEST(Compositor, an_object_has_a_pixel_that_it_covers_by_more_than_half) {
   EXPECT_NE(more.layer.at(16, 32), kVirtualLayer);
 }
 
+TEST(Compositor, a_pixel_half_a_person_before_an_object_shows_no_wall) {
+  Stage stage(3);
+  stage.add_person(2);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 31; x < 34; ++x) {  // a soft border, another share of the person in each pixel
+      const float share = static_cast<float>(3 * y + x - 31) / 192;
+      const auto mixed = [&](int person) {
+        return static_cast<std::uint8_t>(128 + share * (static_cast<float>(person) - 128));
+      };
+      stage.plate.at(x, y) = {mixed(20), mixed(20), mixed(200)};
+    }
+  const auto out = stage.compose();
+  int half = 0;
+  for (int y = 20; y < 44; ++y)
+    for (int x = 20; x < 44; ++x) {
+      half += out.matte.at(x, y) >= 125 && out.matte.at(x, y) < 128;
+      EXPECT_NE(out.layer.at(x, y), 0) << x << "," << y << " matte " << int{out.matte.at(x, y)};
+      EXPECT_LT(out.mixed_depth_m.at(x, y), 3.01F) << x << "," << y;
+    }
+  EXPECT_GT(half, 0);
+}
+
 /// A view and a ToF camera at one place.
 struct BorderRig {
   BorderRig(int view_px_in, int tof_px_in)
