@@ -107,7 +107,37 @@ function(mixrig_test_program program)
   if(MIXRIG_SANITIZE)
     set(timeout_s 1200)  # whole takes last up to twelve times as long
   endif()
-  gtest_discover_tests(${program} DISCOVERY_TIMEOUT 60 TEST_PREFIX "${program}."
+  mixrig_left_out(out ${label} ${program})
+  if(out)
+    return()
+  endif()
+  if(NOT MIXRIG_SLOW_${program})
+    mixrig_cases("*" ${label})
+    return()
+  endif()
+  list(JOIN MIXRIG_SLOW_${program} ":" slow)
+  mixrig_cases("-${slow}" ${label})
+  mixrig_left_out(out ${label}_slow)
+  if(NOT out)
+    mixrig_cases("${slow}" ${label}_slow)
+  endif()
+endfunction()
+
+# mixrig_left_out(OUT LABEL [TARGET ...]): whether tests of this label are left out (MIXRIG_TESTS_LEFT_OUT);
+# the targets, which only they need, are then built where something asks for them.
+function(mixrig_left_out out label)
+  set(${out} OFF PARENT_SCOPE)
+  if(MIXRIG_TESTS_LEFT_OUT AND label MATCHES "${MIXRIG_TESTS_LEFT_OUT}")
+    set(${out} ON PARENT_SCOPE)
+    if(ARGN)
+      set_target_properties(${ARGN} PROPERTIES EXCLUDE_FROM_ALL ON)
+    endif()
+  endif()
+endfunction()
+
+# For mixrig_test_program(), whose program and timeout_s it reads: the cases of a filter of GoogleTest.
+function(mixrig_cases filter label)
+  gtest_discover_tests(${program} DISCOVERY_TIMEOUT 60 TEST_PREFIX "${program}." TEST_FILTER "${filter}"
     PROPERTIES LABELS ${label} TIMEOUT ${timeout_s}
     ENVIRONMENT "MIXRIG_SOURCE=${PROJECT_SOURCE_DIR}"
     ENVIRONMENT_MODIFICATION "MIXRIG_TAKES=set:${PROJECT_BINARY_DIR}/takes")

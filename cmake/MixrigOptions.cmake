@@ -18,6 +18,13 @@ foreach(extra IN LISTS MIXRIG_EXTRAS)
   endif()
 endforeach()
 option(MIXRIG_CALIBRATE "Build the calibration from pictures, which needs OpenCV and Ceres" ON)
+# A quarter less to compile before the first picture. Every `cmake --preset` turns it off again, with
+# what is selected above unchanged in the cache.
+option(MIXRIG_DEMO_ONLY "What ./demo runs: of the extras the studio, and no calibration" OFF)
+if(MIXRIG_DEMO_ONLY)
+  set(MIXRIG_EXTRAS studio)
+  set(MIXRIG_CALIBRATE OFF)
+endif()
 option(MIXRIG_WERROR "Warnings are errors" OFF)
 option(MIXRIG_ASSERTS "Assertions run, in optimised builds too" ON)
 if(MIXRIG_ASSERTS)

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+# Cases that take 3 s of a core or more while others of the same program test the same code faster.
+# Their label ends in _slow: ./check runs them with --slow. A name stands as `PROGRAM --gtest_list_tests`
+# makes it, Suite.Case.
+set(MIXRIG_SLOW_e2e_test
+  Seeds/StudioRun.MeetsTheBoundsOfTheMainJob/1  # talk_kinect2
+  Seeds/StudioRun.MeetsTheBoundsOfTheMainJob/2  # walk_sr3000
+  BaselinesRun.PlainCompositesAndWrongOnesAreWorseInTheirOwnMeasure
+  GreyCard.AWrongTransferIsNamed
+  LiveScan.GoesOnAfterAnInterruptionAndIsAsGoodAsARecordedSweep
+  OpenNi2Run.AStudioTakeRecordedByTheLibraryIsRecordedAgainAndComposited
+  RealRoom.PosedFramesOfAKitchenBecomeAModel
+  RealRun.EmptyFramesOfTheLabKeyNothingAndPeopleAreKeyed
+  RigRun.ADiskThatFillsUpLeavesAReadableTake
+  RigRun.AHeadThatTurnsIsFollowedFromDevicesAsFromTheTake
+  RigRun.ARecordingOfAPlayedTakeHoldsItsPixels
+  RigRun.EventsAndPlacesArriveWhileALiveRunGoesOn
+  RoomScan.LampsHaveTheirLightWherePlatesWereTakenAtOtherExposures)
+set(MIXRIG_SLOW_calibrate_test
+  Advice.ThatIsFollowedHelpsAsMuchAsItSaid
+  CalibrateCircular.RefusesABadCircleInOneLine
+  CalibrateCircular.TakesTheCircleThatIsGivenOrNone
+  CalibrateIntrinsics.RefusesBadInputInOneLine
+  CalibrateIntrinsics.TellsWhichViewsItDoesNotUse
+  DetectBoard.SeesACharucoInPartButNotHalfACheckerboard
+  Intrinsics.AcceptsPicturesOfOneCamera
+  Intrinsics.ChoosesNoMoreLensThanHelpsOnHeldOutViews
+  Intrinsics.RefusesPicturesOfTwoCameras
+  Uncertainty.MatchesTheScatterOfRepeatedCalibrations
+  Views.ABoardThatOnlyTheDepthCameraSeesMoveIsNotKept
+  Views.TremorAboveTheLimitIsRefusedAndBelowItKept)
+set(MIXRIG_SLOW_studio_test
+  Board.gives_the_same_bytes_in_any_order_and_on_two_threads
+  Board.tof_distance_is_the_truth_plus_the_stated_error
+  Board.true_pose_projects_every_square_into_the_target_picture
+  Cast.everything_at_once_is_reproducible
+  Cast.hair_makes_a_soft_edge_of_the_matte
+  ClickedPlaneStudio.RandomClicksAreRightOrRefusedRightly
+  Reflection.the_mirror_shows_the_person_where_its_mirror_image_is
+  Studio.a_second_depth_camera_sees_what_the_first_does_not_and_changes_nothing_else
+  StudioLamps.MirrorImagesAreNoLamps
+  StudioLamps.WhiteThingsThatAreExposedTooLongAreNoLamps)
+set(MIXRIG_SLOW_gl_test
+  HiddenObjects.leave_a_moving_camera_s_frame_as_without_them
+  HiddenObjects.leave_a_still_camera_s_frame_as_without_them
+  HiddenObjects.leave_the_set_before_a_room_that_is_drawn_for_each_pose
+  WholeFrame.agrees_in_the_depth_of_field_of_a_lens
+  WholeFrame.agrees_in_the_motion_of_the_camera
+  WholeFrame.agrees_where_people_stand_before_panels
+  WholeFrame.agrees_with_background_models_of_several_places)
+set(MIXRIG_SLOW_run_test
+  Suites.KeyJudgesEachRung
+  Suites.MemoryGrowsWithTheSize
+  Suites.OthersRun
+  Suites.RefineHoldsDepthOfTheKeyAgainstTheWarped)
+set(MIXRIG_SLOW_sim_test
+  FlashCommand.a_board_that_is_dead_or_missing_is_one_line
+  FlashCommand.a_noisy_line_works_and_repeats_are_reported
+  FlashCommand.a_power_failure_is_reported_and_recovered_from_with_boot0
+  FlashCommand.files_that_are_no_image_for_this_board_are_refused_before_it_is_touched
+  QemuTest.answers_after_64_kib_of_random_bytes)
+set(MIXRIG_SLOW_room_test SweepPlan.SoManyViewsCoverALowerFieldOfTheSameWidth)
+set(MIXRIG_SLOW_map_test LearnedBox.ACameraInAnotherBoxIsNotFound)
