@@ -86,7 +86,7 @@ def main():
                         help="only renders the takes, so that the runs can be timed on an idle machine")
     arguments = parser.parse_args()
     if arguments.tuned and arguments.out.resolve() == (ROOT / "docs/results").resolve():
-        sys.exit("make.py: the page shows held-out seeds: give --tuned another --out")
+        sys.exit("make.py: the page shows judged seeds: give --tuned another --out")
     chosen = seeds("kTunedFigures" if arguments.tuned else "kFigures")[:arguments.seeds]
     calibrated = chosen[:1] if arguments.tuned else seeds("kCalibratedFigures")
     shop = Workshop(arguments.mixrig, arguments.cache, arguments.takes)

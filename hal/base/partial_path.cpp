@@ -86,7 +86,7 @@ Result<void> PartialPath::commit() {
 
 Result<PartialPath> make_partial_folder(const fs::path& given, const char* marker) {
   const fs::path folder = with_suffix(given, "");
-  if (folder.empty()) return Error{ErrorCode::kUsage, "the output folder has no name"};
+  if (folder.empty()) return Error{ErrorCode::kUsage, "the output folder has no name: name one"};
   std::error_code error;
   if (fs::exists(folder, error)) {
     if (!fs::is_directory(folder, error))

@@ -101,7 +101,7 @@ Result<nlohmann::json> join(const AlignArguments& arguments, const MapJobs& jobs
 Result<nlohmann::json> place(const AlignArguments& arguments, const MapJobs& jobs) {
   if (arguments.calibration.empty())
     return Error{ErrorCode::kUsage,
-                 "align: --room needs --calibration: of the camera that learned the map"};
+                 "align: --room needs --calibration: give that of the camera that learned the map"};
   if (jobs.place == nullptr) return live::extra_left_out("align: --room", "map");
   MIXRIG_ASSIGN(const nlohmann::json report, jobs.place({.map = arguments.a,
                                                          .other = arguments.b,

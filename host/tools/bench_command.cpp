@@ -53,7 +53,7 @@ Result<nlohmann::json> bench_suites(const BenchArguments& arguments) {
   bench::SuiteOptions options{arguments.take, arguments.grid, arguments.run.quick};
   const bool pairs = !arguments.data.empty();
   if (pairs && arguments.suite != "refine")
-    return Error{ErrorCode::kUsage, "--data is of --suite refine"};
+    return Error{ErrorCode::kUsage, "--data is for --suite refine alone: leave it out"};
   if (options.take.empty() && !pairs) {
     session::BenchOptions wanted = arguments.run;
     wanted.folder = out;
@@ -202,11 +202,10 @@ void add_bench_command(Command app, Context& context) {
       .add_option(
           "--suite", arguments->suite,
           "run: the compositor by size and depth camera; warp, refine, key, mix, shadow, frame, "
-          "memory: each rung of that stage (all: of all of them); scan: a room from a sweep; "
-          "latency: the delay of a take that "
-          "is played in real time as a rig; marker: that of a real rig, by a lamp on a trigger "
-          "line; soak: "
-          "a take played for long, again and again")
+          "memory: each quality level of that stage (all: of all stages); scan: a room from a "
+          "sweep; latency: the delay of a take that is played in real time as a rig; marker: that "
+          "of a real rig, by a lamp on a trigger line; soak: a take played for long, again and "
+          "again")
       .show_default();
   command.add_option("--out", arguments->out, "folder of the plot and the reused takes")
       .show_default();

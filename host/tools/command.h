@@ -14,11 +14,13 @@ namespace mixrig::tools {
 
 /// Filled while the command line is parsed. The chosen subcommand sets `action`; main runs it,
 /// prints its error as one line (exit status 2 for kUsage, kFormat and kNotFound of user files,
-/// else 1) and writes the report that it returns where --json FILE was given.
+/// else 1) and writes the report that it returns where --json FILE was given. An action that has a
+/// report although what it examined is bad sets `found`, which main prints after the report.
 struct Context {
   bool verbose = false;
   std::string json_path;
   std::function<Result<nlohmann::json>()> action;
+  Result<void> found;
 };
 
 /// Every subcommand of this build, those of its extras too (commands.cpp).

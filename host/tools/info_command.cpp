@@ -143,7 +143,7 @@ void print(const take::TakeInfo& info, const DepthStatistics& depth) {
     if (apart_ms != 0)
       std::printf("  time       depth2 is exposed %+.1f ms after depth\n", apart_ms);
     else
-      std::printf("  time       of depth2 after depth: not told, or none; see ticks.csv\n");
+      std::printf("  time       of depth2 after depth: not stated, or none; see ticks.csv\n");
   }
   std::printf(
       "  depth      %s, steps of %g mm, %.1f %% unknown, %.2f / %.2f / %.2f m "
@@ -171,7 +171,9 @@ Result<nlohmann::json> info(const InfoArguments& arguments) {
     return info_room({arguments.of, arguments.truth, arguments.picture});
   if (!arguments.truth.empty() || !arguments.picture.empty())
     return Error{ErrorCode::kUsage,
-                 "'" + arguments.of + "' is not a scanned room: --truth and --picture are of one"};
+                 "'" + arguments.of +
+                     "' is not a scanned room: --truth and --picture are for one alone: leave them "
+                     "out"};
   return info_take(arguments.of);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The `mixrig` command: parses arguments, runs the subcommand, prints its error as one line.
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -63,23 +64,23 @@ Result<void> check_json_path(const std::string& path) {
 Result<void> act_for_stdout(const Context& context) {
   const int report_fd = ::dup(STDOUT_FILENO);
   if (report_fd < 0 || ::dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
-    return Error{ErrorCode::kIo, "--json -: stdout cannot be written"};
+    return system_error(ErrorCode::kIo, "--json -: stdout cannot be written", errno);
   auto done = context.action();
   std::fflush(stdout);
   ::dup2(report_fd, STDOUT_FILENO), ::close(report_fd);
   if (!done) return done.error();
   const std::string text = done->dump(2) + "\n";
   if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)
-    return {};
-  return Error{ErrorCode::kIo, "--json -: stdout cannot be written"};
+    return context.found;
+  return system_error(ErrorCode::kIo, "--json -: stdout cannot be written", errno);
 }
 
 Result<void> act(const Context& context) {
   MIXRIG_TRY(check_json_path(context.json_path));
   if (context.json_path == kStdout) return act_for_stdout(context);
   MIXRIG_ASSIGN(const nlohmann::json report, context.action());
-  if (context.json_path.empty()) return {};
-  return write_file(context.json_path, report.dump(2) + "\n");
+  if (!context.json_path.empty()) MIXRIG_TRY(write_file(context.json_path, report.dump(2) + "\n"));
+  return context.found;
 }
 
 int run(int argc, char** argv) {

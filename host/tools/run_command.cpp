@@ -38,7 +38,8 @@ Result<glm::ivec2> parse_focus(const std::string& text, const session::Session& 
   char rest = 0;
   const Size view = session.setup.view.size_px;
   if (!session.setup.focus)
-    return Error{ErrorCode::kUsage, "--focus: the scene has no [focus], which has the lens"};
+    return Error{ErrorCode::kUsage,
+                 "--focus: the scene has no [focus]: add it, with the aperture of the lens"};
   if (std::sscanf(text.c_str(), "%d,%d%c", &x, &y, &rest) == 2 && x >= 0 && y >= 0 &&
       x < view.width && y < view.height)
     return glm::ivec2(x, y);
@@ -103,13 +104,13 @@ Result<session::RunOptions> parse_options(const RunArguments& arguments, const C
   const bool watches = arguments.watch || arguments.accept_changes || !arguments.save_room.empty();
   if (arguments.no_watch && watches)
     return Error{ErrorCode::kUsage,
-                 "--no-watch leaves nothing to --watch, --accept-changes or --save-room: drop one"};
+                 "--no-watch excludes --watch, --accept-changes and --save-room: drop one"};
   if (arguments.no_watch || watches) options.watch_room = watches;
   options.changes.watch = model::watch_options(arguments.change_after_s);
   options.changes.accept_all = arguments.accept_changes;
   if (!arguments.save_room.empty()) options.save_room = arguments.save_room;
   if (arguments.page.takes_osc && !arguments.page.serves)
-    return Error{ErrorCode::kUsage, "--osc-in needs --page: both work on one state of the run"};
+    return Error{ErrorCode::kUsage, "--osc-in needs --page: add it"};
   options.epoch_ns = Duration(std::chrono::system_clock::now().time_since_epoch()).count() -
                      clock.now().time_since_epoch().count();
   return options;

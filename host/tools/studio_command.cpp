@@ -55,7 +55,7 @@ constexpr double kLensError_px = 0.3;  ///< of the judged look, at the corners
 /// The judged look has every switch on.
 Result<studio::Realism> realism_of(const StudioArguments& arguments) {
   if (arguments.plain && !(arguments.only.empty() && arguments.without.empty()))
-    return Error{ErrorCode::kUsage, "--plain leaves no switch to --only and --without: drop one"};
+    return Error{ErrorCode::kUsage, "--plain excludes --only and --without: drop one"};
   if (arguments.plain) return studio::Realism{};
   studio::Realism on = studio::Realism::all();
   if (!arguments.only.empty()) {
@@ -336,7 +336,7 @@ Result<void> check_scenario(const Command& command, const std::string& scenario)
   constexpr std::array kOfSweep{"--field",  "--overlap",  "--most-tilt",    "--view-frames",
                                 "--walker", "--crossing", "--crossing-all", "--bracket"};
   const auto belongs = [](const char* option, const char* to) {
-    return Error{ErrorCode::kUsage, std::string(option) + " is of --scenario " + to +
+    return Error{ErrorCode::kUsage, std::string(option) + " is for --scenario " + to +
                                         ": choose that, or leave it out"};
   };
   const bool is_board = scenario == kBoardScenario, is_sweep = scenario == "sweep";

@@ -17,9 +17,10 @@ TEST_F(GreyCard, AWrongTransferIsNamed) {
                                   << studio << "tof\"\n[pan_tilt]\n"
                                   << studio << "head\"\n";
   refusal("diag --rig " + path("rig.toml") + " --grey-card 1,2,3");
-  ASSERT_EQ(mixrig("diag --no-move --watch 0.5 --grey-card 38,2,22,12 --rig " + path("rig.toml") +
-                   " --json " + path("diag.json")),
-            0);
+  const std::string failed = refusal("diag --no-move --watch 0.5 --grey-card 38,2,22,12 --rig " +
+                                     path("rig.toml") + " --json " + path("diag.json"));
+  EXPECT_NE(failed.find("mixrig: diag: failed: "), std::string::npos) << failed;
+  EXPECT_NE(failed.find("color transfer"), std::string::npos) << failed;
   const nlohmann::json diag = report("diag.json");
   std::map<std::string, nlohmann::json> rows;
   for (const nlohmann::json& row : diag["checks"])

@@ -125,7 +125,10 @@ Result<void> AravisCamera::set_up() {
   }
   MIXRIG_TRY(choose_aravis_trigger(camera_.get(), request_, described));
   if (pool_ && (code != code_ || described.size != info_.size))
-    return Error{ErrorCode::kDevice, info_.uri + ": a different camera was plugged in"};
+    return Error{
+        ErrorCode::kDevice,
+        info_.uri +
+            ": a different camera was plugged in: plug the first one in again, or restart mixrig"};
   chunks_ = choose_aravis_chunks(camera_.get());
   parser_.reset(chunks_.any() ? arv_camera_create_chunk_parser(camera_.get()) : nullptr);
   for (const auto& [control, value] : settings_) MIXRIG_TRY(apply(control, value));
@@ -269,7 +272,8 @@ Result<void> AravisCamera::set(CameraControl control, double value) {
     return Error{ErrorCode::kUsage, what + " must be " + std::to_string(range->minimum) + " to " +
                                         std::to_string(range->maximum)};
   const std::lock_guard lock(mutex_);
-  if (!camera_) return Error{ErrorCode::kDevice, what + ": the camera is not there"};
+  if (!camera_)
+    return Error{ErrorCode::kDevice, what + ": the camera is unplugged: plug it in again"};
   MIXRIG_TRY(apply(control, value));
   settings_[control] = value;
   return {};
@@ -288,7 +292,8 @@ Result<void> AravisCamera::apply(CameraControl control, double value) {
 Result<double> AravisCamera::get(CameraControl control) {
   const std::lock_guard lock(mutex_);
   AravisFault fault;
-  if (!camera_) return Error{ErrorCode::kDevice, info_.uri + ": the camera is not there"};
+  if (!camera_)
+    return Error{ErrorCode::kDevice, info_.uri + ": the camera is unplugged: plug it in again"};
   double value = 0;
   if (control == CameraControl::kExposure)
     value = arv_camera_get_exposure_time(camera_.get(), fault) * 1e-6;

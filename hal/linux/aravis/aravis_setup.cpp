@@ -61,13 +61,16 @@ Result<std::uint32_t> settle_format(ArvCamera* camera, const StreamRequest& requ
   info.sample_bits = sample_bits_of_pfnc(code);
   if (info.format == PixelFormat::kUnknown)
     return Error{ErrorCode::kUnsupported,
-                 info.uri + ": sends a pixel format that mixrig does not read"};
+                 info.uri +
+                     ": sends a pixel format that mixrig does not read: choose another one by "
+                     "arv-tool-0.8 control PixelFormat="};
   int x = 0, y = 0;
   arv_camera_get_region(camera, &x, &y, &info.size.width, &info.size.height, fault);
   if (fault.any() || declared_bytes(code, info.size) == 0)
     return fault.error(info.uri, "reading the picture's size");
   if (!request.size.empty() && info.size != request.size)
-    return Error{ErrorCode::kUnsupported, info.uri + ": does not offer the requested size"};
+    return Error{ErrorCode::kUnsupported,
+                 info.uri + ": does not offer the requested size: give another size_px"};
   return code;
 }
 

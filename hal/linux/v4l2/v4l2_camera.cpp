@@ -40,7 +40,10 @@ Result<void> V4l2Camera::set_up() {
   CameraInfo described = info_;
   MIXRIG_ASSIGN(const V4l2Layout layout, node.configure(request_, described));
   if (pool_ && (layout.picture_bytes != layout_.picture_bytes || described.model != info_.model))
-    return Error{ErrorCode::kDevice, info_.uri + ": a different camera was plugged in"};
+    return Error{
+        ErrorCode::kDevice,
+        info_.uri +
+            ": a different camera was plugged in: plug the first one in again, or restart mixrig"};
   for (const auto& [control, value] : settings_) (void)node.set(control, value);
   node_ = std::move(node);
   if (!pool_) info_ = described;  // callers hold references to it: not changed after open()

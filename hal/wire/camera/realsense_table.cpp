@@ -41,7 +41,8 @@ double float_at(std::span<const std::uint8_t> bytes, std::size_t at) {
 }
 
 Error bad_table(const std::string& what) {
-  return Error{ErrorCode::kData, "the calibration table of the camera " + what};
+  return Error{ErrorCode::kData,
+               "the calibration table of the camera " + what + ": plug the camera in again"};
 }
 
 /// The table's bytes after its header.
@@ -85,7 +86,8 @@ Result<DeviceIntrinsics> parse_realsense_calibration(std::span<const std::uint8_
   if (found == kRectifiedSizes.end() || at + kRectifiedBytes > table.size())
     return Error{ErrorCode::kUnsupported,
                  "the calibration table of the camera has no pictures of " +
-                     std::to_string(size.width) + "x" + std::to_string(size.height)};
+                     std::to_string(size.width) + "x" + std::to_string(size.height) +
+                     ": give another size_px"};
   const DeviceIntrinsics found_k{float_at(table, at), float_at(table, at + 8),
                                  float_at(table, at + 12)};
   const auto inside = [](double value, int limit) { return value > 0 && value < limit; };

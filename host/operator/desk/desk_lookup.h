@@ -26,7 +26,9 @@ Result<const Named*> named(const std::vector<Named>& all, const std::string& nam
 /// Returns `from`. Errors: kData if it is null.
 inline Result<const SeenFrom*> seen(const SeenFrom* from) {
   if (from != nullptr) return from;
-  return Error{ErrorCode::kData, "no frame was composited yet: try again"};
+  return Error{
+      ErrorCode::kData,
+      "the run has not composited a frame yet: wait for the first picture, then try again"};
 }
 
 }  // namespace mixrig::session

@@ -119,10 +119,14 @@ Result<Placement> place_object(const PlaceOptions& options) {
   MIXRIG_ASSIGN(const scene::Object* object, object_of(session->scene, options.object));
   const model::ClickPicture picture = picture_of_click(*session, capture);
   auto found = model::plane_under(picture, options.click);
-  if (const auto* refusal = std::get_if<model::ClickRefusal>(&found))
-    return Error{ErrorCode::kData,
-                 fmt::format("pixel {:.0f},{:.0f}: nothing can stand there: {}",
-                             options.click.px.x(), options.click.px.y(), model::text_of(*refusal))};
+  if (const auto* refusal = std::get_if<model::ClickRefusal>(&found)) {
+    const char* by_rect = *refusal == model::ClickRefusal::kNotFlat
+                              ? "; if the depth is noisy, give a larger area by --rect W,H"
+                              : "";
+    return Error{ErrorCode::kData, fmt::format("pixel {:.0f},{:.0f}: nothing can stand there: {}{}",
+                                               options.click.px.x(), options.click.px.y(),
+                                               model::text_of(*refusal), by_rect)};
+  }
   Placement placement;
   placement.object = object->name;
   placement.plane = std::move(std::get<model::ClickedPlane>(found));

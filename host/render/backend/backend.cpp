@@ -12,17 +12,17 @@ namespace {
 /// Whether GL runs on a GPU; opens a context for the test and closes it.
 bool has_gpu() {
   if (!render::gles::may_have_gpu()) {
-    log_info("app", "no device file of a GPU: cpu back end");
+    log_info("app", "this machine has no GPU (no /dev/dri or the like): the cpu back end draws");
     return false;
   }
   const auto context = render::gles::EglContext::create();
   if (!context) {
-    log_info("app", to_line(context.error()) + ": cpu back end");
+    log_info("app", to_line(context.error()) + ": the cpu back end draws");
     return false;
   }
   const std::string renderer = context->renderer();
   if (!render::gles::is_software(renderer)) return true;
-  log_info("app", "GL is software (" + renderer + "): cpu back end");
+  log_info("app", "OpenGL ES runs in software here (" + renderer + "): the cpu back end draws");
   return false;
 }
 

@@ -20,7 +20,8 @@ Result<void> check_size(Size have, Size want, const char* what, const char* came
                   what, text(have), camera, text(want))};
 }
 
-/// Cheaper than geometry::validate(), which a table of lenses went through once.
+/// Checks the lens of one frame for size and finite values: geometry::validate() has checked the
+/// table of lenses, and is too slow for every frame.
 Result<void> check_lens(const geometry::LensState& lens, const Tables& tables) {
   if (!tables.lens_moves)
     return Error{ErrorCode::kUsage,
@@ -32,7 +33,10 @@ Result<void> check_lens(const geometry::LensState& lens, const Tables& tables) {
   const bool finite = std::isfinite(p.fx_px + p.fy_px + p.cx_px + p.cy_px + lens.pupil_shift_m) &&
                       std::all_of(k.begin(), k.end(), [](double v) { return std::isfinite(v); });
   if (finite && p.fx_px > 0 && p.fy_px > 0) return {};
-  return Error{ErrorCode::kData, "compose: the lens of the frame is not finite"};
+  return Error{
+      ErrorCode::kData,
+      "compose: the lens of the frame has a value that is not finite, or a focal length that is "
+      "not positive: calibrate the lens again, or check its encoders"};
 }
 
 Result<void> check_light(const FrameLight& light) {
@@ -43,7 +47,8 @@ Result<void> check_light(const FrameLight& light) {
                     std::isfinite(light.exposure) &&
                     std::all_of(light.intensity.begin(), light.intensity.end(), is_light);
   if (good) return {};
-  return Error{ErrorCode::kData, "compose: the light of the frame is negative or not finite"};
+  return Error{ErrorCode::kData,
+               "compose: the light of the frame is negative or not finite: check [light]"};
 }
 
 template <typename T>
@@ -67,18 +72,22 @@ Result<void> check_frame(const FrameInput& input, const Tables& tables, bool imp
                  "set CompositorSetup::may_hide_objects"};
   if (!input.world_from_target.rotation.coeffs().allFinite() ||
       !input.world_from_target.translation_m.allFinite())
-    return Error{ErrorCode::kData, "compose: the camera pose is not finite"};
+    return Error{ErrorCode::kData,
+                 "compose: the camera's pose is not finite: check the pose source"};
   for (const geometry::Pose& pose : input.world_from_object)
     if (!pose.rotation.coeffs().allFinite() || !pose.translation_m.allFinite())
-      return Error{ErrorCode::kData, "compose: the pose of an object is not finite"};
+      return Error{ErrorCode::kData,
+                   "compose: the pose of an object is not finite: check its position and rotation"};
   if (input.light) MIXRIG_TRY(check_light(*input.light));
   if (const auto& m = input.motion;
       m && !(std::isfinite(glm::dot(m->turn_rad, m->turn_rad) + glm::dot(m->shift_m, m->shift_m))))
-    return Error{ErrorCode::kData, "compose: the motion of the camera is not finite"};
+    return Error{ErrorCode::kData,
+                 "compose: the motion of the camera is not finite: check the pose source"};
   if (const auto& at = input.focus_pixel;
       at && (at->x < 0 || at->y < 0 || at->x >= tables.view_size.width ||
              at->y >= tables.view_size.height))
-    return Error{ErrorCode::kData, "compose: the pixel that is to be sharp lies outside the view"};
+    return Error{ErrorCode::kData,
+                 "compose: the pixel in focus lies outside the view: give one in the picture"};
   return input.lens ? check_lens(*input.lens, tables) : Result<void>();
 }
 

@@ -315,7 +315,9 @@ constexpr std::array<Words, 10> kWords{{
     {Refusal::kFewViews, "few_views", "seen in too few pictures"},
     {Refusal::kSmall, "small", "too small to light the room"},
     {Refusal::kSoftBorder, "soft_border", "its light fades at its border: a lit white surface"},
-    {Refusal::kMoves, "moves", "it moves with the camera: a highlight on a curved surface"},
+    {Refusal::kMoves, "moves",
+     "its place differs from view to view: a highlight on a curved surface, or a lamp that "
+     "something in front of it cuts"},
     {Refusal::kShortPath, "short_path",
      "its distance is not determined: the camera's path is too short; move 0.3 m or more, or give "
      "the scanned room"},
@@ -323,9 +325,9 @@ constexpr std::array<Words, 10> kWords{{
     {Refusal::kBehind, "behind_wall",
      "it lies behind a wall or below the floor: an image in a mirror, or outside"},
     {Refusal::kFacesUp, "faces_up",
-     "it lies on a surface that faces up: a reflection or a white thing"},
+     "it lies on a surface that faces up: a reflection or a white object"},
     {Refusal::kLow, "low",
-     "it lies below every camera: a reflection or a white thing; --low-lamps allows it"},
+     "it lies below every camera: a reflection or a white object; --low-lamps allows it"},
     {Refusal::kDark, "dark", "its light does not show in the room's shading"},
 }};
 

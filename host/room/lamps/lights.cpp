@@ -228,9 +228,10 @@ void measure(const lights::RoomSurfaces& room, double exposure, RoomLights& foun
 
 Result<RoomLights> find_lights(const LightsOptions& options) {
   if (options.take.empty() && options.room.empty())
-    return Error{ErrorCode::kUsage, "lights: give --take, --model, or both: whose lamps?"};
+    return Error{ErrorCode::kUsage, "lights: neither --take nor --model: give one, or both"};
   if (options.take.empty() && !options.bracket.empty())
-    return Error{ErrorCode::kUsage, "lights: --bracket needs --take: whose fisheye took it?"};
+    return Error{ErrorCode::kUsage,
+                 "lights: --bracket needs --take: give the take of the same fisheye"};
   MIXRIG_ASSIGN(const auto room, room_of(options));
   RoomLights found;
   if (options.take.empty()) {

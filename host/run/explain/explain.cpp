@@ -250,7 +250,7 @@ nlohmann::json to_json(const Explanation& e) {
                         {"moving_p50_ms", nullptr},
                         {"calibration", e.calibration},
                         {"camera", e.camera},
-                        {"rungs", e.rungs},
+                        {"levels", e.rungs},
                         {"rss_mb", e.rss_mb},
                         {"passes", nlohmann::json::array()},
                         {"shadow_maps", nlohmann::json::array()},
@@ -270,7 +270,7 @@ nlohmann::json to_json(const Explanation& e) {
 std::string to_text(const Explanation& e) {
   std::string out = fmt::format("{} in {}, {} ({})\n", e.scene, e.source, e.backend, e.renderer);
   out += fmt::format("  calibration  {}\n  camera       {}\n", e.calibration, e.camera);
-  out += fmt::format("  rungs        {}: {}\n", e.rungs,
+  out += fmt::format("  quality      {}: {}\n", e.rungs,
                      e.quality ? "chosen for quality.budget_ms" : "as the scene says");
   out += fmt::format("  {:<10} {:<11} {:>8}  {}\n", "pass", "size", "p50 ms", "why");
   if (e.quality) out += to_text(*e.quality);

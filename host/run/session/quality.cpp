@@ -113,17 +113,18 @@ Result<std::optional<QualityChoice>> follow_budget(Session& session, int first_f
     log_info("session", fmt::format("quality: {}: {:.1f} ms a frame of {:.1f}", chosen, choice.ms,
                                     choice.budget_ms));
   else
-    log_warning("session",
-                fmt::format("{}: quality.budget_ms = {}: the fastest rungs ({}) take {:.1f} ms a "
-                            "frame: composite smaller (--size), or give more",
-                            session.scene.path.string(), choice.budget_ms, chosen, choice.ms));
+    log_warning(
+        "session",
+        fmt::format("{}: quality.budget_ms = {}: the fastest quality levels ({}) take {:.1f} ms a "
+                    "frame: composite smaller (--size), or give more",
+                    session.scene.path.string(), choice.budget_ms, chosen, choice.ms));
   return std::optional(std::move(choice));
 }
 
 nlohmann::json to_json(const QualityChoice& choice) {
   nlohmann::json trials = nlohmann::json::array();
   for (const QualityTrial& t : choice.trials)
-    trials.push_back({{"rungs", t.rungs}, {"ms", t.ms}, {"kept", t.kept}});
+    trials.push_back({{"levels", t.rungs}, {"ms", t.ms}, {"kept", t.kept}});
   return {{"budget_ms", choice.budget_ms},
           {"fits", choice.fits()},
           {"key", scene::name(choice.rungs.key)},

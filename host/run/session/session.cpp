@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "hal/base/log.h"
 #include "host/capture/capture/calibrated_source.h"
 #include "host/capture/capture/unwrapped_source.h"
 #include "host/math/image_io/scale.h"
@@ -20,6 +21,10 @@ namespace {
 void add_set(Session& session) {
   if (!session.scene.set) return;
   const Image<Rgb8>& picture = session.scene.set->picture;
+  if (!session.scene.set->model && session.scene.set->picture_path.empty())
+    log_warning("session", session.scene.path.string() +
+                               ": set: neither model nor picture: the real background becomes "
+                               "black, and transparent in alpha/");
   if (!picture.empty())
     session.backdrop = image_io::scaled_to_fill(picture, session.setup.view.size_px);
   session.setup.backdrop = render::Backdrop{session.backdrop};

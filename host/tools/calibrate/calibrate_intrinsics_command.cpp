@@ -105,7 +105,7 @@ Result<int> lens_terms_of(const IntrinsicsArguments& arguments) {
 Result<std::optional<ImageCircle>> circle_of(const IntrinsicsArguments& arguments,
                                              const calibration::BrightestPicture& brightest) {
   if (arguments.model != "fisheye" && arguments.circle != "auto" && arguments.circle != "none")
-    return Error{ErrorCode::kUsage, "--image-circle is of a fisheye: give --model fisheye"};
+    return Error{ErrorCode::kUsage, "--image-circle is for a fisheye: give --model fisheye"};
   if (arguments.model != "fisheye" || arguments.circle == "none")
     return std::optional<ImageCircle>();
   if (arguments.circle == "auto") return calibration::find_image_circle(brightest.image());

@@ -61,7 +61,17 @@ Result<std::optional<capture::CardArea>> parse_card(const std::string& text) {
   return std::optional(area);
 }
 
-Result<nlohmann::json> diag(const DiagArguments& arguments) {
+/// Errors: kDevice, naming the checks that failed.
+Result<void> verdict_of(const std::vector<live::Check>& checks) {
+  std::string failed;
+  for (const live::Check& check : checks)
+    if (check.verdict == live::Verdict::kFail)
+      failed += (failed.empty() ? "" : ", ") + check.device + " " + check.what;
+  if (failed.empty()) return {};
+  return Error{ErrorCode::kDevice, "diag: failed: " + failed + ": do what the table advises"};
+}
+
+Result<nlohmann::json> diag(const DiagArguments& arguments, Result<void>& found) {
   live::DiagnoseOptions options;
   options.grey_card = !arguments.grey_card.empty();
   if (options.grey_card) {
@@ -79,6 +89,7 @@ Result<nlohmann::json> diag(const DiagArguments& arguments) {
   const auto checks =
       live::diagnose(config, session::device_opener(config, source_kinds(), clock), options, clock);
   print(checks);
+  found = verdict_of(checks);
   return to_json(checks);
 }
 
@@ -86,7 +97,8 @@ Result<nlohmann::json> diag(const DiagArguments& arguments) {
 
 void add_diag_command(Command app, Context& context) {
   auto arguments = std::make_shared<DiagArguments>();
-  Command command = app.add_subcommand("diag", "open every device, watch it, and judge its health");
+  Command command = app.add_subcommand(
+      "diag", "open every device, watch it, and judge its health (exit status 1: a check failed)");
   command.add_option("--rig", arguments->rig, "rig.toml; if not given, the connected devices");
   command.add_option("--watch", arguments->watch_s, "seconds").show_default().range(0.5, 3600.0);
   command.add_flag("--no-move", arguments->no_move, "do not move the pan-tilt head");
@@ -96,8 +108,9 @@ void add_diag_command(Command app, Context& context) {
                   "X,Y,W,H: the target camera sees a grey card there (none: in its middle fifth); "
                   "its transfer, black level and white balance are judged")
       .value_if_left_out(kMiddle);
-  command.callback(
-      [&context, arguments] { context.action = [arguments] { return diag(*arguments); }; });
+  command.callback([&context, arguments] {
+    context.action = [&context, arguments] { return diag(*arguments, context.found); };
+  });
 }
 
 }  // namespace mixrig::tools

@@ -98,7 +98,8 @@ Result<Wanted> find_wanted(const FlashArguments& arguments) {
   const std::string path = kept_path(arguments);
   MIXRIG_ASSIGN(std::vector<std::uint8_t> bytes, device::read_image_file(path));
   if (!device::worth_keeping(bytes)) {
-    return Error{ErrorCode::kFormat, path + ": holds nothing that would boot"};
+    return Error{ErrorCode::kFormat,
+                 path + ": holds nothing that would boot: flash an IMAGE instead"};
   }
   if (!device::check_image(bytes, path, {.this_protocol = false})) {
     log_warning("flash", path + " is not a mixrig image; it is restored unchanged");

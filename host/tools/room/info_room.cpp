@@ -185,7 +185,7 @@ Result<nlohmann::json> info_room(const InfoRoomOptions& options) {
   if (rooms.size() > 1) {
     if (!options.truth.empty() || !options.picture.empty())
       return Error{ErrorCode::kUsage, "'" + options.room.string() +
-                                          "' is a joined room: --truth and --picture are of one "
+                                          "' is a joined room: --truth and --picture are for one "
                                           "of the rooms in it"};
     return joined_json(rooms);
   }

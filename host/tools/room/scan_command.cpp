@@ -208,7 +208,8 @@ Result<nlohmann::json> scan(const ScanArguments& arguments) {
                  "scan: give one of --rig (sweep now), --take (a recorded sweep), --static and "
                  "--merge (scanned rooms)"};
   if (merges) return scan_merge(arguments.merge, arguments.out, arguments.session.threads);
-  if (!arguments.merge.near.empty()) return Error{ErrorCode::kUsage, "--near is of --merge"};
+  if (!arguments.merge.near.empty())
+    return Error{ErrorCode::kUsage, "--near is for --merge alone: leave it out"};
   if (arguments.out.empty())
     return Error{ErrorCode::kUsage, "scan: give OUT, the background folder to write"};
   if (!arguments.rig.empty()) return scan_rig(arguments);

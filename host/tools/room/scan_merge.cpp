@@ -73,7 +73,7 @@ Result<nlohmann::json> scan_merge(const ScanMergeOptions& options, const std::st
   if (out.empty()) merge.out = merge.rooms.back(), merge.rooms.pop_back();
   if (!options.near.empty()) {
     if (merge.rooms.size() != 2)
-      return Error{ErrorCode::kUsage, "--near is of two rooms: give --merge A B OUT"};
+      return Error{ErrorCode::kUsage, "--near is for two rooms: give --merge A B OUT"};
     MIXRIG_ASSIGN(merge.near_first_from_base, near_pose(options.near));
   }
   MIXRIG_ASSIGN(const session::RoomMerge joined, session::merge_rooms(merge));

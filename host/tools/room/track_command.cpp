@@ -206,12 +206,14 @@ Result<nlohmann::json> track(const TrackArguments& arguments) {
                  "track: give one of --mocap, --model with --take, --map with --take"};
   if (!arguments.map.empty()) {
     if (arguments.take.empty())
-      return Error{ErrorCode::kUsage, "track: --map needs --take: whose pictures?"};
+      return Error{ErrorCode::kUsage,
+                   "track: --map needs --take: give the take whose pictures are tracked"};
     return track_by_map(arguments, map_jobs());
   }
   if (!arguments.model.empty()) {
     if (arguments.take.empty())
-      return Error{ErrorCode::kUsage, "track: --model needs --take: whose pictures?"};
+      return Error{ErrorCode::kUsage,
+                   "track: --model needs --take: give the take whose pictures are tracked"};
     return track_in_room(arguments);
   }
   MIXRIG_ASSIGN(const auto options, track_options(arguments));

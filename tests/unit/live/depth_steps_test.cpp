@@ -70,10 +70,12 @@ TEST_F(DepthSteps, ACameraThatDoesNotTellItsUnitIsRefusedUntilRigTomlDoes) {
   connect({.unit_known = false});
   const auto refused = check_unit(config_, *devices_.depth);
   ASSERT_FALSE(refused);
-  EXPECT_NE(to_line(refused.error())
-                .find("fake:depth: \"Model 7\" does not tell what a depth step is: give [depth] a "
-                      "unit_m in rig.toml"),
-            std::string::npos)
+  EXPECT_NE(
+      to_line(refused.error())
+          .find(
+              "fake:depth: \"Model 7\" does not report the length of a depth step: give [depth] a "
+              "unit_m in rig.toml"),
+      std::string::npos)
       << to_line(refused.error());
   config_.depth_steps.unit_m = 0.00025;
   EXPECT_TRUE(check_unit(config_, *devices_.depth));

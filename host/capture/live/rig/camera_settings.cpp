@@ -77,7 +77,8 @@ Result<void> CameraSettings::set(const std::string& camera, device::CameraContro
   std::unique_lock lock(mutex_);
   MIXRIG_ASSIGN(const std::size_t index, check(camera, control, value));
   if (std::exchange(waits_, true))
-    return Error{ErrorCode::kData, camera + ": another setting is at work: try again"};
+    return Error{ErrorCode::kData,
+                 camera + ": another setting of the camera is being changed: try again"};
   wish_ = {index, control, value};
   answer_.reset();
   wake_.notify_all();

@@ -235,10 +235,11 @@ Result<void> check_unit(const RigConfig& rig, const device::DepthCamera& camera,
                         const DepthConfig* steps) {
   if ((steps != nullptr ? *steps : rig.depth_steps).applied_to(camera.depth()).unit_known)
     return {};
-  return Error{ErrorCode::kUsage,
-               fmt::format("{}: \"{}\" does not tell what a depth step is: give [depth] a unit_m "
-                           "in {} (0.001 for millimetres)",
-                           camera.info().uri, camera.info().model, rig.file.string())};
+  return Error{
+      ErrorCode::kUsage,
+      fmt::format("{}: \"{}\" does not report the length of a depth step: give [depth] a unit_m "
+                  "in {} (0.001 for millimetres)",
+                  camera.info().uri, camera.info().model, rig.file.string())};
 }
 
 namespace {

@@ -47,7 +47,7 @@ class LiveSource final : public capture::CaptureSource {
   const capture::SourceInfo& info() const override { return info_; }
   Result<bool> read(int number, capture::Capture& capture) override;
   Result<void> read_truth(int, capture::Truth&) override {
-    return Error{ErrorCode::kData, "live devices have no truth"};
+    return Error{ErrorCode::kData, "devices have no ground truth: use a take of mixrig studio"};
   }
   void share_plates(capture::PlateForms forms) override { decoder_.share_plates(forms); }
   std::optional<capture::SourceReport> report() const override {

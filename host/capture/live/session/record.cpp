@@ -52,15 +52,20 @@ class Recorder {
   Result<void> reserve() {
     reserve_ = writer_.staging() / "reserve";
     const File file(std::fopen(reserve_.c_str(), "w"));
-    if (file && ::posix_fallocate(::fileno(file.get()), 0, kReserve_bytes) == 0) return {};
-    return Error{ErrorCode::kIo, "no room for a take in '" + writer_.staging().string() + "'"};
+    const int failed = file ? ::posix_fallocate(::fileno(file.get()), 0, kReserve_bytes) : 0;
+    if (file && failed == 0) return {};
+    return system_error(ErrorCode::kIo,
+                        "cannot reserve space for a take in '" + writer_.staging().string() +
+                            "': free some, or record elsewhere",
+                        file ? failed : errno);
   }
 
   Result<void> open_tables() {
     ticks_.reset(std::fopen((writer_.staging() / "ticks.csv").c_str(), "w"));
     head_.reset(std::fopen((writer_.staging() / "pan_tilt.csv").c_str(), "w"));
     if (!ticks_ || !head_)
-      return Error{ErrorCode::kIo, "cannot write tables into '" + writer_.staging().string() + "'"};
+      return system_error(ErrorCode::kIo,
+                          "cannot write the tables of '" + writer_.staging().string() + "'", errno);
     std::fputs("frame,stream,tick,counter,mid_exposure_ns,residual_us\n", ticks_.get());
     std::fputs("frame,pan_rad,tilt_rad\n", head_.get());
     return {};
@@ -77,8 +82,11 @@ class Recorder {
     MIXRIG_TRY(writer_.write(frame_));
     ++number_;
     MIXRIG_TRY(write_others(set));
-    return write_rows(set) ? Result<bool>(true)
-                           : Error{ErrorCode::kIo, "cannot write ticks.csv: is the disk full?"};
+    if (write_rows(set)) return true;
+    return system_error(ErrorCode::kIo,
+                        "cannot write '" + (writer_.staging() / "ticks.csv").string() +
+                            "': check the disk's free space",
+                        errno);
   }
 
   Result<void> finish() {

@@ -48,7 +48,7 @@ Result<ExposureBracket> ExposureBracket::create(device::Camera& camera, Duration
     return Error{ErrorCode::kUnsupported, camera.info().uri + ": has no exposure control"};
   MIXRIG_ASSIGN(const double frames_s, camera.get(device::CameraControl::kExposure));
   if (!(frames_s > 0))
-    return Error{ErrorCode::kDevice, camera.info().uri + ": does not tell its exposure"};
+    return Error{ErrorCode::kDevice, camera.info().uri + ": does not report its exposure"};
   const double most_s = std::min(range->maximum, kMostOfPeriod * seconds(frame_period));
   return ExposureBracket(camera, frames_s,
                          {range->minimum, std::max(most_s, frames_s), range->step});
@@ -75,7 +75,8 @@ Result<void> ExposureBracket::set(double exposure_s) {
       std::abs(says_s - exposure_s) <= std::max(limits_.step_s, limits_.least_s))
     return {};
   return Error{ErrorCode::kDevice,
-               fmt::format("{}: was told to expose for {:.6g} s and says {:.6g} s",
+               fmt::format("{}: was set to expose for {:.6g} s and reports {:.6g} s: check that "
+                           "nothing else controls the camera",
                            camera_->info().uri, exposure_s, says_s)};
 }
 

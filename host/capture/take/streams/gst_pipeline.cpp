@@ -3,9 +3,12 @@
 #include "host/capture/take/streams/gst_pipeline.h"
 
 #include <algorithm>
+#include <string_view>
 
 namespace mixrig::take {
 namespace {
+
+constexpr int kMostWait_s = 10;
 
 Result<void> start_gstreamer() {
   GError* error = nullptr;
@@ -13,6 +16,23 @@ Result<void> start_gstreamer() {
   const std::string why = error != nullptr ? error->message : "unknown";
   g_clear_error(&error);
   return Error{ErrorCode::kUnsupported, "cannot start GStreamer: " + why};
+}
+
+/// GStreamer's text of an error, with the system's reason where the element gives one: the last
+/// line of its details.
+std::string why_of(GstMessage* message) {
+  GError* error = nullptr;
+  gchar* details = nullptr;
+  gst_message_parse_error(message, &error, &details);
+  std::string why = error != nullptr ? error->message : "unknown";
+  const std::string_view all = details != nullptr ? details : "";
+  const std::string_view last = all.substr(all.rfind('\n') + 1);
+  if (error != nullptr && error->domain == GST_RESOURCE_ERROR && all.find('\n') != all.npos &&
+      !last.empty())
+    why += " (" + std::string(last) + ")";
+  g_clear_error(&error);
+  g_free(details);
+  return why;
 }
 
 }  // namespace
@@ -86,10 +106,7 @@ Error Pipeline::error(ErrorCode code, const std::string& what) const {
   GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
   gst_object_unref(bus);
   if (message == nullptr) return Error{code, what};
-  GError* error = nullptr;
-  gst_message_parse_error(message, &error, nullptr);
-  const std::string why = error != nullptr ? error->message : "unknown";
-  g_clear_error(&error);
+  const std::string why = why_of(message);
   gst_message_unref(message);
   return Error{code, what + ": " + why};
 }
@@ -106,13 +123,17 @@ bool Pipeline::has_failed() const {
 Result<void> Pipeline::wait_for(GstMessageType wanted, const char* verb) const {
   GstBus* bus = gst_element_get_bus(pipeline_.get());
   const auto either = static_cast<GstMessageType>(GST_MESSAGE_ERROR | wanted);
-  GstMessage* message = gst_bus_timed_pop_filtered(bus, 10 * GST_SECOND, either);
+  GstMessage* message = gst_bus_timed_pop_filtered(bus, kMostWait_s * GST_SECOND, either);
   const bool came = message != nullptr && GST_MESSAGE_TYPE(message) == wanted;
   if (message != nullptr && !came) gst_bus_post(bus, message);
   if (came) gst_message_unref(message);
   gst_object_unref(bus);
   if (came) return {};
-  return error(ErrorCode::kFormat, std::string("cannot ") + verb + " '" + name_ + "'");
+  const std::string what = std::string("cannot ") + verb + " '" + name_ + "'";
+  if (message != nullptr) return error(ErrorCode::kFormat, what);
+  return Error{ErrorCode::kFormat, what + ": GStreamer is not done after " +
+                                       std::to_string(kMostWait_s) +
+                                       " s: the disk or the machine is too slow: try again"};
 }
 
 }  // namespace mixrig::take

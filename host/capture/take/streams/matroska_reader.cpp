@@ -104,7 +104,12 @@ class MatroskaStream final : public PictureStream {
 
   template <typename T, typename CopyRow>
   Result<void> copy(int index, Image<T>& image, PixelKind wanted, CopyRow copy_row) {
-    if (kind_ != wanted) return Error{ErrorCode::kData, name(index) + " has another pixel format"};
+    if (kind_ != wanted)
+      return Error{
+          ErrorCode::kData,
+          name(index) +
+              " has another pixel format: colour is RGB of 8 bits, depth and amplitude grey of 16 "
+              "bits"};
     MIXRIG_ASSIGN(const SamplePtr sample, pull(index));
     GstVideoInfo info;
     GstMapInfo map;

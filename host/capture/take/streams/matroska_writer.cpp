@@ -68,8 +68,14 @@ Result<void> MatroskaWriter::push(ImageView<const T> image, std::size_t bytes_pe
   GST_BUFFER_PTS(buffer) = static_cast<GstClockTime>(std::llround(frames_ / rate_hz_ * GST_SECOND));
   GST_BUFFER_DURATION(buffer) = static_cast<GstClockTime>(std::llround(GST_SECOND / rate_hz_));
   ++frames_;
-  if (gst_app_src_push_buffer(GST_APP_SRC(source_.get()), buffer) == GST_FLOW_OK) return {};
-  return pipeline_.error(ErrorCode::kIo, "cannot write '" + name_ + "'");
+  const GstFlowReturn taken = gst_app_src_push_buffer(GST_APP_SRC(source_.get()), buffer);
+  if (taken == GST_FLOW_OK) return {};
+  const std::string what = "cannot write '" + name_ + "'";
+  Error error = pipeline_.error(ErrorCode::kIo, what);
+  if (error.context == what)  // it posted no reason
+    error.context += ": GStreamer takes no more frames (" + std::string(gst_flow_get_name(taken)) +
+                     "): check the disk's free space";
+  return error;
 }
 
 Result<void> MatroskaWriter::write(ImageView<const Rgb8> image) {

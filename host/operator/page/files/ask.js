@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all of the page uses: the state that was told, elements, and changes that are asked for.
+// What all of the page uses: the state that the rig sent, elements, and requests for changes.
 'use strict';
 
 const state = {};
@@ -32,9 +32,9 @@ async function ask(method, path, body, type) {
       method, body: type ? body : JSON.stringify(body || {}),
       headers: { 'Content-Type': type || 'application/json' } });
     if (answer.ok) return true;
-    tell((await answer.json()).error || `refused: ${answer.status}`);
+    tell((await answer.json()).error || `The rig refused this change (HTTP status ${answer.status}).`);
   } catch (error) {
-    tell('The rig does not answer.');
+    tell('The rig does not answer: check that mixrig runs and that the network reaches it.');
   }
   return false;
 }
