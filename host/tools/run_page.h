@@ -1,5 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
 // Operator's page of `mixrig run`.
-// The operator's page of mixrig run.
 #pragma once
 
 #include <memory>

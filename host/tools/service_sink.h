@@ -1,5 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
 // Tells the service manager that started the command that composites arrive.
-// Tells the service manager that started the command that composites come.
 #pragma once
 
 #include <memory>

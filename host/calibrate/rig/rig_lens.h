@@ -1,5 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lens of one camera and the board's poses, from its corners alone.
-// One camera alone: its lens and the board's poses from corners.
 #pragma once
 
 #include "host/calibrate/rig/rig_start.h"

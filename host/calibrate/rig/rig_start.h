@@ -45,8 +45,8 @@ std::vector<int> seen_by(const RigData& data, std::size_t camera);
 
 /// Finds lenses, mounting and the board's poses, each good enough to start the joint solution from.
 /// Removes false detections from `data`. Errors: kData where a camera sees the board too rarely or
-/// always in the same way, where no view
-/// is shared with the target camera, or where a lens cannot be found.
+/// always in the same way, where no view is shared with the target camera, or where a lens cannot
+/// be found.
 Result<RigModel> start_rig(RigData& data, Crew& crew);
 
 /// Root mean square distance (px) of one camera's corners over views, and their number.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Measures the delay of a real rig: a lamp on a trigger line blinks in view of the camera, and its
 // brightness in the composites is compared with its switching times. Exact to one exposure.
 #pragma once

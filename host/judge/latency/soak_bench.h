@@ -1,5 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
 // Endurance test: a take is played again and again as the devices of a live rig. Finds whether the
-// delay drifts, memory grows, or a frame is lost without a reason.
 // delay drifts, memory grows, or a frame is lost without a reason.
 #pragma once
 

@@ -1,6 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 // Plain composites, whose errors are shown beside the compositor's: without its passes, and without
 // error from the same plates. Shares nothing with the compositor.
-// compositor.
 #pragma once
 
 #include <array>

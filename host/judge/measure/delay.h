@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Delay between a motion and its picture, by correlating the two motions. Uses no time stamp of the
 // measured system (Cortes Reina 2016, section 6.3: a pendulum and its picture).
 #pragma once

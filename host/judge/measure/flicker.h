@@ -1,5 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
 // Steadiness of the matte from frame to frame, against that of the true matte.
-// How steady the matte is from one frame to the next, against the true one.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
 // Errors of the light in a room model against the true light, in all directions around one place.
-// Errors of a room's light against the light of the room, in all directions around one place.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
 // Report of `mixrig calibrate intrinsics` about a camera.
-// The report of mixrig calibrate intrinsics about a camera.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
 // `mixrig scan --merge`: joins rooms that were scanned from several positions.
-// mixrig scan --merge: rooms scanned from several positions become one.
 #pragma once
 
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Answer of a browser that wants pictures by WebRTC. Only four values of its session description
 // (SDP, RFC 8866, RFC 8829) are read; GStreamer gets a description written anew from them. Pure.
 #pragma once

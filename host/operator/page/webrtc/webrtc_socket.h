@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Socket of a browser that receives pictures by WebRTC, with its peer. Private to this module.
 #pragma once
 

@@ -1,5 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
 // Paints the colours of a panorama whose distances are known. Private to this module.
-// Colours of a panorama whose distances are known. Private to this module.
 #pragma once
 
 #include "host/room/scan/panorama/panorama.h"

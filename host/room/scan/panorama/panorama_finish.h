@@ -1,5 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reduces noise and fills holes of a panorama. Private to this module.
-// Noise and holes of a panorama. Private to this module.
 #pragma once
 
 #include "host/room/scan/panorama/panorama.h"

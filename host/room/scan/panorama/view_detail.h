@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Brightness of a plate without its local mean, at a coarser size. Gains, vignetting and light that
 // changes slowly over the picture do not affect it. Private to this module.
 #pragma once

@@ -1,5 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
 // Answers what colour a view of a sweep sees at a point. Private to this module.
-// A view of a sweep, asked what colour it sees at a point. Private to this module.
 #pragma once
 
 #include <optional>

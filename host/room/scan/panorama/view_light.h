@@ -1,5 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
 // Linear light of a view beyond the range of its plate, from plates at other exposures.
-// Linear light of a view beyond what its plate can hold, from plates at other exposures.
 #pragma once
 
 #include <span>

@@ -1,5 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
 // Names faults of a sweep and of its room.
-// What is wrong with a sweep or in its room, said by name.
 #pragma once
 
 #include <optional>
