@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a camera moved between two pictures, from rays alone.
+// Estimates a camera's motion between two pictures from rays alone.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace mixrig::reconstruction {
 
-/// Rays of one place in two pictures.
+/// Rays of one point in two pictures.
 struct RayPair {
   estimation::Bearing a, b;
 };
@@ -27,8 +27,9 @@ struct TwoViews {
   double turned_share = 0;
 };
 
-/// By the five-point method under random sampling (MSAC, at most `trials` samples). nullopt for
-/// fewer than 15 pairs, or where fewer than 15 or less than 40 % of them agree.
+/// Estimates the motion by the five-point method under random sampling (MSAC, at most `trials`
+/// samples). nullopt for fewer than 15 pairs, or where fewer than 15 or less than 40 % of them
+/// agree.
 std::optional<TwoViews> relate_views(std::span<const RayPair> pairs, int trials = 400);
 
 }  // namespace mixrig::reconstruction
