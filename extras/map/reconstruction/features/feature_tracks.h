@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where places of the room show in the pictures of a sequence.
+// Tracks points of the room through the pictures of a sequence.
 #pragma once
 
 #include <array>

@@ -67,7 +67,7 @@ struct LearnedMap {
   std::vector<trajectory::TimedPose> path;  ///< map_from_camera of all pictures with a pose
 };
 
-/// Largest distance between two places of the path.
+/// Largest distance between two positions of the path.
 double extent_of(const std::vector<trajectory::TimedPose>& path);
 /// Multiplies places, covariances and poses by `factor`.
 void rescale(LearnedMap& map, double factor);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses and places together, by least squares of their rays (bundle adjustment, Triggs et al.
-// 1999).
+// Adjusts poses and places together by least squares of their rays (bundle adjustment, Triggs et
+// al. 1999).
 #pragma once
 
 #include <vector>
