@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a path lies off the truth once the two are laid on each other.
+// Errors of a path against the truth after alignment.
 #pragma once
 
 #include <span>

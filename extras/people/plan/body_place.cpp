@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where on the floor a body stands of which one side was seen.
+// Finds where a body stands on the floor, of which only one side was seen.
 #include "extras/people/plan/body_place.h"
 
 #include <algorithm>

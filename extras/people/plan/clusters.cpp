@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the key saw of people, as clusters in space.
+// Groups the pixels that the key assigned to people into clusters in space.
 #include "extras/people/plan/clusters.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// People on the floor, followed from frame to frame.
+// Tracks people on the floor from frame to frame.
 #include "extras/people/plan/people_tracker.h"
 
 #include <algorithm>

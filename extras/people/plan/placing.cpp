@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a virtual object can stand so that nobody walks through it.
+// Finds places for a virtual object where nobody walks through it.
 #include "extras/people/plan/placing.h"
 
 #include <algorithm>

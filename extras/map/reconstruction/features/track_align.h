@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All sightings of a track aligned to what they have in common. Private to this module.
+// Aligns all sightings of a track to their common appearance. Private to this module.
 #pragma once
 
 #include <cstdint>

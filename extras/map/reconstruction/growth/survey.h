@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All pictures together, once the key pictures have given a start. Private to this module.
+// Adjusts all pictures together, after the key pictures have given a start. Private to this module.
 #pragma once
 
 #include <optional>

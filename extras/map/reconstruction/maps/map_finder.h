@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a camera is in a learned map, by how its points look (Frahm, Koeser, Grest and Koch 2005,
-// section 4.2).
+// Finds a camera in a learned map by the appearance of its points (Frahm, Koeser, Grest and Koch
+// 2005, section 4.2).
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A learned map as patches that the tracker aligns.
+// Converts a learned map to patches that the tracker aligns.
 #pragma once
 
 #include "extras/map/reconstruction/maps/learned_map.h"
