@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light that comes by way of other surfaces.
+// Light by reflection: mirrored by floor, glass and mirror, and one diffuse reflection everywhere.
 #include "studio/light/reflection.h"
 
 #include <array>
