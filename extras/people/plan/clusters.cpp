@@ -152,7 +152,8 @@ double ClusterFinder::distance_m(const Component& a, const Component& b) const {
   return least;
 }
 
-/// Who was seen in the frame before first, then who was hidden, then heads of people who are new.
+/// Divides clusters at expected people seen in the frame before, then at hidden ones, then at heads
+/// of new people.
 void ClusterFinder::divide(std::span<const Expected> expected) {
   const auto is_new = [&](const Eigen::Vector2d& place) {
     return std::none_of(inside_m_.begin(), inside_m_.end(), [&](const Eigen::Vector2d& known) {

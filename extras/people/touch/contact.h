@@ -13,7 +13,7 @@
 namespace mixrig::touch {
 
 enum class EventKind : std::uint8_t { kEnter, kStay, kLeave, kHit };
-/// What the object touches.
+/// Kind of thing that the object touches.
 enum class Against : std::uint8_t { kPerson, kObject, kRoom };
 /// Part of the room that an object touches.
 enum class RoomPart : std::uint8_t { kAny, kFloor, kWall, kFurniture };

@@ -12,7 +12,7 @@
 
 namespace mixrig::calibration {
 
-/// Where the image of a lens ends in the picture: outside it no light reaches the sensor.
+/// Circle that bounds the image of a lens: outside it no light reaches the sensor.
 struct ImageCircle {
   Eigen::Vector2d center_px = Eigen::Vector2d::Zero();
   double radius_px = 0;

@@ -45,7 +45,7 @@ Result<ViewSet> read_view_set(const std::filesystem::path& folder);
 Result<std::vector<ViewSet::Angles>> parse_angles(const std::string& text, const std::string& name,
                                                   int views);
 
-/// What a camera saw in one view.
+/// Pictures of one camera in one view.
 struct ViewPictures {
   Image<float> picture;      ///< linear in light: 0..1 of 8-bit sRGB (its green, the finest
                              ///< channel), counts of a 16-bit grey picture

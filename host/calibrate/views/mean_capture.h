@@ -11,7 +11,7 @@
 
 namespace mixrig::calibration {
 
-/// What all cameras of a rig saw while the board stood still.
+/// Mean pictures of all cameras of a rig while the board stood still.
 struct StillView {
   Image<Rgb8> target;
   Image<Rgb8> fisheye;             ///< empty where no picture was exposed meanwhile
