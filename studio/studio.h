@@ -332,8 +332,7 @@ class Studio {
   /// now on. It turns at its rate while each is exposed.
   void turn_head(const HeadMotion& motion);
 
-  /// Sets the light of the plates relative to that at rest (ExposureControl::factor), from now on;
-  /// 1 at first.
+  /// Sets the light of the plates relative to that at rest (ExposureControl::factor); 1 at first.
   void set_exposure(double factor);
 
   /// True linear light of the room without people, 1 = white at the exposure at rest, in all

@@ -152,8 +152,7 @@ double ClusterFinder::distance_m(const Component& a, const Component& b) const {
   return least;
 }
 
-/// Divides clusters at expected people seen in the frame before, then at hidden ones, then at heads
-/// of new people.
+/// Divides clusters at people seen in the frame before, at hidden ones, then at new heads.
 void ClusterFinder::divide(std::span<const Expected> expected) {
   const auto is_new = [&](const Eigen::Vector2d& place) {
     return std::none_of(inside_m_.begin(), inside_m_.end(), [&](const Eigen::Vector2d& known) {

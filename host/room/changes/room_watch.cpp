@@ -22,8 +22,7 @@ constexpr int kFewestRipe = 10;
 constexpr double kOneThing_m = 0.25;
 /// Largest motion that noise leaves in an unmoved thing, as a part of a depth's sigma.
 constexpr double kNoisePart = 1.0 / 12;
-/// Largest ratio between the numbers of cells of one thing, seen from two sides as appeared and as
-/// gone.
+/// Largest ratio between the numbers of cells of one thing, as appeared and as gone.
 constexpr double kMostSizeRatio = 3;
 constexpr double kFarthestMove_m = 6;
 /// Shadows of what changed lie no further from it.

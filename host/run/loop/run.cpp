@@ -146,7 +146,7 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   return first ? warm_up(*std::move(first), known) : Result<void>();
 }
 
-/// Of a camera that stands still the compositor is made for it.
+/// Pose of the first frame. The compositor of a still camera is made for it.
 pose::FramePose Runner::pose_of_first(const capture::Capture& capture) {
   pose::FramePoses poses(*session_.poses, frame_pose_options(session_.scene));
   pose::FramePose known = poses.next(capture);
