@@ -250,8 +250,7 @@ Result<bool> Runner::frame() {
   return true;
 }
 
-/// Follows record orders for the run's files. Where takes are recorded, their recorder follows
-/// them.
+/// Follows record orders for the run's files, unless a recorder of takes follows them.
 void Runner::obey_record_orders() {
   if (parts_.orders == nullptr || parts_.orders->state().records_takes) return;
   while (const auto order = parts_.orders->take<output::Record>()) sinks_.set_recording(order->on);
