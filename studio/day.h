@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What may differ from the day on which the room was scanned or its background learned.
+// Changes since the room was scanned or its background learned.
 #pragma once
 
 #include <optional>
@@ -14,10 +14,10 @@ struct LampDim {
 
 struct Day {
   int crowd = 0;          ///< people who stand 0.8 m before the camera, 0..8, beside the others
-  double lamp_level = 1;  ///< of all lamps, 0..2; 0.15 of the ambient light does not come from them
-  std::optional<double> lights_out_s;  ///< of the take: from then on lamp_level is 0
+  double lamp_level = 1;  ///< level of all lamps, 0..2; 0.15 of the ambient light is not theirs
+  std::optional<double> lights_out_s;  ///< time of the take from which lamp_level is 0
   std::optional<LampDim> dim;          ///< what others reflect of its light stays
-  bool moved_chair = false;            ///< that of the desk
+  bool moved_chair = false;            ///< the chair of the desk is moved
   bool swinging_door = false;          ///< opens by 75 degrees and closes every 6 seconds
 
   /// Whether room or light change during a take.

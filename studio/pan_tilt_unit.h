@@ -29,7 +29,7 @@ struct HeadAngles {
   double pan_rad = 0, tilt_rad = 0;
 };
 
-/// How the head stands and turns at one time.
+/// Angles of the head and their rates at one time.
 struct HeadMotion {
   HeadAngles angles, rate_rad_s;
   double swing_rad = 0;  ///< about the pan axis, not seen by its encoder

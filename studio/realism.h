@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the studio models beyond its plain look: one switch each. docs/reference/studio.md lists
-// them.
+// Switches for effects that the studio models in addition to its plain look.
+// docs/reference/studio.md lists them.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace mixrig::studio {
 
-/// All off is the plain look.
+/// One switch for each effect; the plain look has all off.
 struct Realism {
   // Colour camera.
   bool mosaic = false;           ///< Bayer filter, shot and read noise of one channel a pixel

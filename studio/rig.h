@@ -44,12 +44,12 @@ TofSensor second_sensor(RigPreset rig, RigPreset first);
 Optics target_optics(RigPreset rig, Size size_px);
 /// The fisheye camera below the others, 185 degrees.
 FisheyeInfo fisheye_camera();
-/// The same field in a picture of another size.
+/// Optics with the same field of view in a picture of another size.
 FisheyeOptics scaled(const FisheyeOptics& optics, Size size_px);
 /// The camera with a lens error outside the five coefficients: a prism that moves the picture's
 /// corner by `error_px`.
 Optics with_lens_error(Optics optics, double error_px);
-/// The same camera without distortion.
+/// Removes the distortion of a camera.
 Optics without_distortion(Optics optics);
 
 }  // namespace mixrig::studio

@@ -22,10 +22,10 @@
 
 namespace mixrig::studio {
 
-/// What the person and the camera do. In rounds the person enters, walks round the object two and a
-/// half times, turns and walks back (Schiller et al. 2010, figure 11). The camera stands still
-/// except in pan, sweep, handheld, pendulum and carried; in starts it is elsewhere in every frame:
-/// within 1 m of where a sweep stands, turned by up to 60 degrees from where it looks ahead.
+/// Actions of the person and the camera. In rounds the person enters, walks round the object two
+/// and a half times, turns and walks back (Schiller et al. 2010, figure 11). The camera stands
+/// still except in pan, sweep, handheld, pendulum and carried; in starts it is elsewhere in every
+/// frame: within 1 m of where a sweep stands, turned by up to 60 degrees from where it looks ahead.
 enum class Scenario {
   kStill,
   kWalk,
@@ -76,7 +76,7 @@ struct Sweep {
 struct ExposureControl {
   double rest_s = 8e-3, least_s = 2e-5, most_s = 3.6e-2, step_s = 1e-5, longer_s = 9e-6;
 
-  /// Light over that at rest, of an exposure within the limits.
+  /// Light of an exposure within the limits, relative to that at rest.
   double factor(double exposure_s) const {
     return (least_s + step_s * std::round((exposure_s - least_s) / step_s) + longer_s) /
            (rest_s + longer_s);
@@ -92,8 +92,8 @@ struct ThinLens {
 /// Frames of every camera of a take.
 inline constexpr double kFrameRate_hz = 25;
 
-/// From a time of the take on the target camera's lens is sharp at another distance (realism
-/// `defocus`); the view keeps its focal length.
+/// Focus pull: from a time of the take on the target camera's lens is sharp at another distance
+/// (realism `defocus`); the view keeps its focal length.
 struct Refocus {
   double from_s = 0, focus_m = 1;
 };
@@ -142,7 +142,7 @@ struct Optics {
   std::array<double, 2> prism{};       ///< thin prism: times r^4 in x and y; not in OpenCV's five
 };
 
-/// What the encoders of a lens say, in counts.
+/// Counts of a lens's encoders.
 struct LensCounts {
   double zoom = 0, focus = 0;
 };
@@ -221,8 +221,8 @@ struct Volume {
   Eigen::Vector3d min_m, max_m;
 };
 
-/// What a Kinect v2 tells of itself, as it sends it: the answers to the requests for its phase
-/// offsets and for its infrared camera's parameters.
+/// Description that a Kinect v2 sends: the answers to the requests for its phase offsets and for
+/// its infrared camera's parameters.
 struct RawTables {
   std::vector<std::uint8_t> phase_offsets, infrared;
 };
@@ -278,7 +278,7 @@ struct FisheyePicture {
   Image<Rgb8> picture;                ///< sRGB; black outside the image circle
 };
 
-/// Where one person is, and how much of it the view shows.
+/// Position of one person, and how much of it the view shows.
 struct PersonTruth {
   Eigen::Vector2d on_floor_m;  ///< vertically below the middle of the hip joints, world x y
   double top_m = 0;            ///< the highest point of the body over the floor
@@ -332,7 +332,7 @@ class Studio {
   /// now on. It turns at its rate while each is exposed.
   void turn_head(const HeadMotion& motion);
 
-  /// Light of the plates over that at rest (ExposureControl::factor), from now on: 1 at first.
+  /// Sets the light of the plates relative to that at rest (ExposureControl::factor); 1 at first.
   void set_exposure(double factor);
 
   /// True linear light of the room without people, 1 = white at the exposure at rest, in all

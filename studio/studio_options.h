@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a virtual studio can be asked for.
+// Options of a virtual studio.
 #pragma once
 
 #include "studio/studio.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a studio holds between frames. Private to this module.
+// State of a studio between frames. Private to this module.
 #pragma once
 
 #include "studio/people/cast.h"
@@ -14,7 +14,7 @@
 
 namespace mixrig::studio {
 
-/// Where a ToF camera is while a frame is rendered.
+/// Pose of a ToF camera while a frame is rendered.
 struct TofPlace {
   Eigen::Vector3d eye_m;
   geometry::Pose tof_from_world;
@@ -51,7 +51,7 @@ struct Studio::State {
   void expose_fisheye(double time_s, const FisheyeSample& sample);
   /// Sets the optics of the target camera at a time; what was traced through others is dropped.
   void set_lens(double time_s);
-  /// Where the entrance pupil of the target camera is, with the lens that is set.
+  /// Pose of the target camera's entrance pupil, with the lens that is set.
   CameraPlace eye_at(double time_s) const;
   /// Traces and lights the parts that do not move, unless they are cached.
   void trace_static(const CameraPlace& place, double time_s, bool with_truth);
@@ -83,7 +83,7 @@ struct Studio::State {
   /// Whether a surface point of the view is seen; `of_room`: it is one of the room.
   bool tof_sees(const TofPlace& at, const Optics& optics, const Vec3& point, int x, int y,
                 bool of_room) const;
-  /// Of StudioOptions::lens.
+  /// Draws the composite through the lens of StudioOptions::lens.
   void draw_through_lens(const CameraPlace& place, Image<Rgb8>& composite);
 
   StudioOptions options;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the rays of a frame meet, and its light: the room once, people in each frame.
+// Traces and lights the rays of a frame: the room once, people in each frame.
 #include "studio/light/object_gloss.h"
 #include "studio/studio_state.h"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Kinect v2 at its USB pipes: answers commands, replays packets, also faulty ones.
+// Emulates a Kinect v2 at its USB pipes: answers commands and replays packets, faulty ones
+// included.
 #pragma once
 
 #include <condition_variable>
@@ -25,22 +26,22 @@ class EmulatedKinect2 {
   };
   explicit EmulatedKinect2(Answers answers) : answers_(std::move(answers)) {}
 
-  /// The driver's end; one at a time.
+  /// Makes the driver's end of the pipes; one at a time.
   std::unique_ptr<UsbStreams> pipes();
 
   /// Sends sub-packets of 298648 bytes one after the other, in isochronous packets of 33792 bytes,
-  /// an empty one behind each; lost unless the driver streams. Of all packets number `lost`
-  /// (0, 1, ...) is marked as lost, number `cut` is 100 bytes short; -1: none.
+  /// followed by an empty one each; they are lost unless the driver streams. Counting all packets
+  /// from 0, number `lost` is marked as lost and number `cut` is 100 bytes short; -1: none.
   void send_depth(std::span<const std::uint8_t> sub_packets, int lost = -1, int cut = -1);
   /// Sends a colour packet in bulk transfers of 16384 bytes.
   void send_color(std::span<const std::uint8_t> packet);
   void unplug();
   void replug();
-  void stall();  ///< until transfers are put in flight again
-  /// Commands from now on are answered without their completion.
+  void stall();  ///< halts the pipe until transfers are submitted again
+  /// From now on commands are answered without their completion.
   void leave_commands_open();
   bool streaming() const;
-  int starts() const;  ///< times the stream was switched on
+  int starts() const;  ///< number of times the stream was switched on
 
  private:
   friend class EmulatedKinect2Pipes;

@@ -39,7 +39,7 @@ class Kinect2Driver final : public live::DeviceDriver {
   }
 
  private:
-  /// The same device for its two cameras.
+  /// Opens a device once, for both of its cameras.
   Result<std::shared_ptr<Kinect2>> open(const std::string& serial) {
     for (const auto& [name, kinect] : kinects_)
       if (name == serial) return kinect;

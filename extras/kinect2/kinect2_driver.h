@@ -13,8 +13,8 @@ namespace mixrig::device {
 /// means the only one that is connected.
 live::DeviceKind kinect2_kind();
 
-/// Kinects by their serial numbers, as cameras; one that may not be opened is left out beside
-/// others. Pure.
+/// Kinects as cameras, by their serial numbers. A Kinect that may not be opened is left out where
+/// others are found. Pure.
 std::vector<live::FoundCamera> kinects_of(const std::vector<std::string>& serials);
 
 }  // namespace mixrig::device

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands of a Kinect v2: what it tells of itself, its streams on and off. Private to this module.
+// Commands of a Kinect v2: description of the device, streams on and off. Private to this module.
 #pragma once
 
 #include <cstdint>
@@ -18,17 +18,20 @@ struct Kinect2Description {
   Kinect2Offsets offsets;
 };
 
-/// One thread at a time. Errors: those of the pipes; kDevice for answers that are not valid.
+/// Sends commands to a Kinect v2. One thread at a time. Errors: those of the pipes; kDevice for
+/// answers that are not valid.
 class Kinect2Link {
  public:
   Kinect2Link(UsbStreams& usb, std::string uri, Clock& clock)
       : usb_(usb), uri_(std::move(uri)), clock_(clock) {}
 
-  /// Opens the device and asks it.
+  /// Opens the device and reads its description.
   Result<Kinect2Description> describe();
-  /// Opens it, waits until it is ready and starts its streams; transfers are the caller's.
+  /// Opens the device, waits until it is ready and starts its streams; the caller submits the
+  /// transfers.
   Result<void> begin();
-  /// Stops them, as far as it still answers. Precondition: no transfers are in flight.
+  /// Stops the streams as far as the device still answers. Precondition: no transfers are in
+  /// flight.
   void end();
 
  private:

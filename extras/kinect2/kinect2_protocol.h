@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a Kinect v2 says over USB beside its raw frames (hal/wire/camera/kinect2_raw.h): answers to
+// USB messages of a Kinect v2 besides its raw frames (hal/wire/camera/kinect2_raw.h): answers to
 // commands, colour packets. Pure and bounded. Layouts, sizes and numbers are facts published by
 // libfreenect2 (OpenKinect, at fd64c5d: protocol/command.h, protocol/response.h, the colour stream
-// parser); the maker publishes none. Pictures of the device are mirrored left to right; what is
-// said here of pixels is as it is seen, x to the right.
+// parser); the maker publishes none. Pictures of the device are mirrored left to right; comments
+// here describe pixels as seen, x to the right.
 #pragma once
 
 #include <array>
@@ -21,10 +21,10 @@
 namespace mixrig::device {
 
 inline constexpr Size kKinect2Color{1920, 1080};
-inline constexpr std::size_t kKinect2MostColor = std::size_t{2} << 20;  ///< of a colour packet
+inline constexpr std::size_t kKinect2MostColor = std::size_t{2} << 20;  ///< largest colour packet
 
-// Commands: a header of 20 bytes and up to four parameters; the answer, where there is one, comes
-// in one bulk transfer, then 16 bytes say that the command is complete.
+// A command is a header of 20 bytes and up to four parameters. Its answer, if any, comes in one
+// bulk transfer; then 16 bytes say that the command is complete.
 enum class Kinect2Command : std::uint32_t {
   kFirmware = 0x02,
   kInitStreams = 0x09,
@@ -41,20 +41,20 @@ struct Kinect2Request {
   Kinect2Command command = Kinect2Command::kStatus;
   std::array<std::uint32_t, 4> parameters{};
   int parameter_count = 0;
-  std::uint32_t most_answer = 0, least_answer = 0;  ///< bytes; 0: there is none
+  std::uint32_t most_answer = 0, least_answer = 0;  ///< bytes; 0: no answer
 };
 std::vector<std::uint8_t> pack_kinect2_request(const Kinect2Request& request,
                                                std::uint32_t sequence);
-/// The command's sequence number if these bytes say that a command is complete.
+/// Sequence number of the command that these bytes report as complete; nullopt for other bytes.
 std::optional<std::uint32_t> parse_kinect2_complete(std::span<const std::uint8_t> bytes);
 
-// Answers. Errors: kDevice; the line says what is wrong.
+// Parse answers. Errors: kDevice; the line says what is wrong.
 Result<std::string> parse_kinect2_serial(std::span<const std::uint8_t> bytes);
 Result<std::string> parse_kinect2_firmware(std::span<const std::uint8_t> bytes);
 Result<std::uint32_t> parse_kinect2_status(std::span<const std::uint8_t> bytes);
 
-/// The colour camera's pinhole. What else the answer holds (polynomials from depth to colour) is
-/// not used: `calibrate rig` measures the rig.
+/// Pinhole of the colour camera. Other contents of the answer (polynomials from depth to colour)
+/// are not used: `calibrate rig` measures the rig.
 struct Kinect2ColorLens {
   double f_px = 0, cx_px = 0, cy_px = 0;
 };
@@ -67,12 +67,13 @@ struct Kinect2ColorPacket {
   std::uint32_t ticks = 0;  ///< device clock, 0.125 ms
   double exposure_ms = 0;   ///< 0 where it is not plausible
 };
-/// Whether the bytes end as a packet does.
+/// Whether the bytes end like a colour packet.
 bool ends_kinect2_color(std::span<const std::uint8_t> bytes);
-/// A whole packet; empty where any part contradicts another.
+/// Parses a whole packet; nullopt where its parts contradict each other.
 std::optional<Kinect2ColorPacket> parse_kinect2_color_packet(std::span<const std::uint8_t> bytes);
 
-/// Takes the transfers of the colour pipe. Nothing allocates after construction. For one thread.
+/// Joins transfers of the colour pipe to packets. Nothing allocates after construction. For one
+/// thread.
 class Kinect2ColorStream {
  public:
   Kinect2ColorStream();
@@ -85,7 +86,7 @@ class Kinect2ColorStream {
  private:
   std::vector<std::uint8_t> pending_;
   std::size_t count_ = 0;
-  bool skipping_ = false;  ///< of a packet that is too long, up to its end
+  bool skipping_ = false;  ///< skips the rest of a packet that is too long
   std::uint64_t link_errors_ = 0;
 };
 

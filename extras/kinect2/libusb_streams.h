@@ -10,11 +10,10 @@
 
 namespace mixrig::device {
 
-/// A closed device. `serial` empty: the only Kinect v2 that is connected.
-/// Errors: kIo when libusb does not start. Those of open(): kNotFound; the line lists what is
-/// there.
+/// Makes a closed device. `serial` empty: the only connected Kinect v2. Errors: kIo when libusb
+/// does not start. open() returns kNotFound with a list of connected devices.
 Result<std::unique_ptr<UsbStreams>> make_libusb_kinect2(const std::string& serial);
-/// Serial numbers of those that are connected, by USB id; empty of one that may not be opened.
+/// Serial numbers of connected devices, by USB id; empty for a device that may not be opened.
 std::vector<std::string> list_kinect2();
 
 }  // namespace mixrig::device

@@ -29,7 +29,7 @@ struct StreamPipe {
   std::size_t packet_bytes = 0;  ///< of a packet, or of a bulk transfer
 };
 
-/// What one packet of an isochronous transfer, or one bulk transfer, brought.
+/// Data of one packet of an isochronous transfer, or of one bulk transfer.
 struct StreamPacket {
   std::uint8_t endpoint = 0;
   std::span<const std::uint8_t> bytes;
@@ -37,7 +37,7 @@ struct StreamPacket {
 };
 using StreamSink = std::function<void(const StreamPacket&)>;
 
-/// For one thread.
+/// Pipes of one USB device. For one thread.
 class UsbStreams {
  public:
   virtual ~UsbStreams() = default;
@@ -45,7 +45,8 @@ class UsbStreams {
   virtual Result<void> open() = 0;
   /// Cancels all transfers. Does nothing when closed.
   virtual void close() = 0;
-  /// Errors of these: kDevice; kNotFound when the device is gone.
+  /// Sends a control request. Errors of this and the following functions: kDevice; kNotFound when
+  /// the device is gone.
   virtual Result<void> request(const UsbRequest& request) = 0;
   virtual Result<void> set_alternate(int interface, int setting) = 0;
   virtual Result<void> write(std::uint8_t endpoint, std::span<const std::uint8_t> bytes) = 0;
@@ -53,9 +54,9 @@ class UsbStreams {
   virtual Result<std::size_t> read(std::uint8_t endpoint, std::span<std::uint8_t> out) = 0;
   /// Puts the transfers in flight. The first call allocates.
   virtual Result<void> submit(std::span<const StreamPipe> pipes) = 0;
-  /// No transfer is in flight when it returns.
+  /// Cancels all transfers; none is in flight when it returns.
   virtual void cancel() = 0;
-  /// Passes what came to `sink`, in order on each pipe, waiting at most `timeout`.
+  /// Passes received data to `sink`, in order on each pipe, waiting at most `timeout`.
   virtual BulkState pump(Duration timeout, const StreamSink& sink) = 0;
 };
 

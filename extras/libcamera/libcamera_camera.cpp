@@ -411,7 +411,7 @@ Result<void> LibcameraCamera::set(CameraControl control, double value) {
   return Error{ErrorCode::kUnsupported, what + " is not on this camera"};
 }
 
-/// What was set: libcamera tells the value in force with each picture alone.
+/// Value that was last set: libcamera reports the value in force only with each picture.
 Result<double> LibcameraCamera::get(CameraControl control) {
   const std::lock_guard lock(mutex_);
   const auto known = settings_.find(control);

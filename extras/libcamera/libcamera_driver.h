@@ -9,10 +9,10 @@
 
 namespace mixrig::device {
 
-/// libcamera:ID, as open_libcamera().
+/// Kind of device "libcamera:ID", opened by open_libcamera().
 live::DeviceKind libcamera_kind();
 
-/// `ids` without the webcams, which V4L2 reads. Pure.
+/// Returns `ids` without the webcams, which the V4L2 driver serves. Pure.
 std::vector<std::string> without_webcams(std::vector<std::string> ids);
 
 }  // namespace mixrig::device

@@ -23,10 +23,11 @@ namespace mixrig::device {
 
 namespace lc = libcamera;
 
-/// The library allows one manager in a process; it lives while a camera is open. Errors: kIo.
+/// The library's manager. The library allows one in a process; it lives while a camera is open.
+/// Errors: kIo.
 Result<std::shared_ptr<lc::CameraManager>> libcamera_manager();
 
-/// The whole memory of a frame buffer, mapped; its planes are parts of it.
+/// Maps the whole memory of a frame buffer; its planes are parts of it.
 class MappedBuffer {
  public:
   static std::optional<MappedBuffer> map(const lc::FrameBuffer& buffer) {
@@ -63,10 +64,10 @@ class MappedBuffer {
   std::size_t count_ = 0;
 };
 
-/// What the stream's samples mean; sRGB and BT.601 where the camera tells nothing.
+/// Colour encoding of the stream's samples; sRGB and BT.601 where the camera does not report it.
 ColorEncoding libcamera_encoding(const std::optional<lc::ColorSpace>& space);
-/// The modes of the formats that mixrig reads, by their V4L2 codes: the sizes that the library
-/// lists, with `any_size` also those between, which the camera may or may not deliver.
+/// Modes in formats that mixrig reads, by their V4L2 codes, in the sizes that the library lists.
+/// With `any_size` also in sizes between, which the camera may or may not deliver.
 std::vector<V4l2Mode> libcamera_modes(const lc::StreamFormats& formats, bool any_size);
 
 }  // namespace mixrig::device

@@ -51,7 +51,7 @@ Result<void> OpenNi2Device::open() {
   return {};
 }
 
-/// Where the device is now: a camera that was plugged in again may have another URI.
+/// Current URI of the device; a camera that was plugged in again may have another one.
 std::optional<std::string> OpenNi2Device::address() const {
   if (recording_) return std::filesystem::absolute(rest_).string();
   const auto cameras = NiLibrary::cameras();

@@ -22,7 +22,7 @@
 
 namespace mixrig::device {
 
-/// The library, and what it lists; one reference to it each.
+/// Holds one reference to the library, and lists its devices.
 class NiLibrary {
  public:
   NiLibrary() : status_(oniInitialize(ONI_API_VERSION)) {}
@@ -30,7 +30,7 @@ class NiLibrary {
   NiLibrary& operator=(const NiLibrary&) = delete;
   ~NiLibrary() { oniShutdown(); }
   bool works() const { return status_ == ONI_STATUS_OK; }
-  /// USB cameras alone: not the library's dummy, not files that were opened.
+  /// USB cameras only: neither the library's dummy nor opened files.
   static std::vector<OniDeviceInfo> cameras() {
     OniDeviceInfo* listed = nullptr;
     int count = 0;

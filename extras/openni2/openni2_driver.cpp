@@ -32,7 +32,7 @@ class OpenNi2Driver final : public live::DeviceDriver {
   }
 
  private:
-  /// The same device for its two cameras.
+  /// Opens a device once, for both of its cameras.
   Result<std::shared_ptr<OpenNi2Device>> open(const std::string& address) {
     for (const auto& [name, device] : devices_)
       if (name == address) return device;

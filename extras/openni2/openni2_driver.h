@@ -6,7 +6,7 @@
 
 namespace mixrig::device {
 
-/// openni2:URI, a camera and a depth camera, as open_openni2().
+/// Kind of device "openni2:URI", a colour and a depth camera; opened by open_openni2().
 live::DeviceKind openni2_kind();
 
 }  // namespace mixrig::device

@@ -106,7 +106,7 @@ Result<OpenNi2Mode> set_up_openni2(OniStreamHandle stream, const StreamRequest& 
   const OniBool off = FALSE;
   if (oniStreamIsPropertySupported(stream, ONI_STREAM_PROPERTY_MIRRORING))
     (void)oniStreamSetProperty(stream, ONI_STREAM_PROPERTY_MIRRORING, &off, sizeof off);
-  // Of a recording it can be read, but neither asked for nor set.
+  // For a recording, mirroring can be read, but neither queried as supported nor set.
   out.mirrored = property<OniBool>(stream, ONI_STREAM_PROPERTY_MIRRORING).value_or(FALSE) != FALSE;
   if (out.mirrored && out.format == PixelFormat::kYuyv)
     return Error{ErrorCode::kUnsupported,

@@ -14,7 +14,7 @@
 
 namespace mixrig::device {
 
-/// kDevice: "URI: WHAT: reason of the library".
+/// Error kDevice with the text "URI: WHAT: reason of the library".
 Error openni2_error(const std::string& uri, const std::string& what);
 
 struct OpenNi2Mode {
@@ -22,14 +22,14 @@ struct OpenNi2Mode {
   PixelFormat format = PixelFormat::kUnknown;
   bool mirrored = false;  ///< pictures come mirrored and cannot be had otherwise
 };
-/// Sets the mode that fits the request, the present one where it fits; mirroring off.
-/// Errors: kUnsupported, with the modes that there are; kDevice.
+/// Sets a mode that fits the request, the present one if it fits, and turns mirroring off. Errors:
+/// kUnsupported, with the existing modes; kDevice.
 Result<OpenNi2Mode> set_up_openni2(OniStreamHandle stream, const StreamRequest& request,
                                    const std::string& uri);
-/// Unit by the mode; intrinsics where the device tells its field of view.
+/// Depth unit of the mode; intrinsics where the device reports its field of view.
 DepthInfo openni2_depth_info(OniStreamHandle stream, const OniVideoMode& mode);
-/// Packs the rows of a picture into `out`, turned back where it is mirrored. False where the frame
-/// is not a whole picture of that mode.
+/// Packs the rows of a picture into `out`, mirrored back where it is mirrored. False where the
+/// frame is not a whole picture of that mode.
 bool copy_openni2(const OniFrame& frame, const OpenNi2Mode& mode, std::span<std::uint8_t> out);
 
 }  // namespace mixrig::device

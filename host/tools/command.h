@@ -12,10 +12,10 @@
 
 namespace mixrig::tools {
 
-/// Filled while the command line is parsed. The chosen subcommand sets `action`; main runs it,
-/// prints its error as one line (exit status 2 for kUsage, kFormat and kNotFound of user files,
-/// else 1) and writes the report that it returns where --json FILE was given. An action that has a
-/// report although what it examined is bad sets `found`, which main prints after the report.
+/// State filled while the command line is parsed. The chosen subcommand sets `action`; main runs
+/// it, prints its error as one line (exit status 2 for kUsage, kFormat and kNotFound of user files,
+/// else 1) and, where --json FILE was given, writes the report that it returns. An action that has
+/// a report although what it examined is bad sets `found`, which main prints after the report.
 struct Context {
   bool verbose = false;
   std::string json_path;
@@ -23,10 +23,11 @@ struct Context {
   Result<void> found;
 };
 
-/// Every subcommand of this build, those of its extras too (commands.cpp).
+/// Adds every subcommand of this build and of its extras (commands.cpp).
 void add_commands(Command app, Context& context);
 
-/// `mixrig help-pages DIR`, hidden: man pages, shell completions and docs/reference/commands.md.
+/// Adds the hidden `mixrig help-pages DIR`: man pages, shell completions and
+/// docs/reference/commands.md.
 void add_help_pages_command(Command app, Context& context);
 void add_run_command(Command app, Context& context);
 void add_explain_command(Command app, Context& context);
@@ -58,7 +59,7 @@ class Progress {
  public:
   Progress(std::string what, int total);
   ~Progress();  ///< clears the bar
-  /// `seconds_left` is shown where it is above 0.
+  /// Sets the steps done. `seconds_left` is shown where it is above 0.
   void step(int done, double seconds_left = 0);
 
  private:

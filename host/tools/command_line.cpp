@@ -22,7 +22,7 @@ Option add_number(CLI::App* app, const std::string& name, T& value, const std::s
       app->add_option(name, value, about)->check(CLI::Validator(refuse_what_is_not_finite, "")));
 }
 
-/// As where a shell's variable is not set.
+/// Refuses an empty text, which an unset variable of a shell gives.
 std::string refuse_what_is_empty(const std::string& text) {
   return text.empty() ? "an empty text is no value" : std::string();
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a subcommand's options look like. command_line.cpp alone compiles the parser (CLI11).
+// Options of subcommands. command_line.cpp alone compiles the parser (CLI11).
 #pragma once
 
 #include <cstddef>
@@ -16,30 +16,30 @@ class Option;
 
 namespace mixrig::tools {
 
-/// What --help says of an option or a positional argument.
+/// Text of --help about an option or a positional argument.
 struct OptionText {
   std::vector<std::string> names;   ///< "-v", "--verbose"; empty for a positional argument
   std::string positional;           ///< "SCENE"; empty for an option
   std::string type;                 ///< "TEXT", "INT", "FLOAT", "UINT"; empty for a flag
   std::string limits;               ///< "0 to 256"; empty where any value of the type is allowed
   std::vector<std::string> values;  ///< the allowed words; empty where they are not enumerated
-  std::string fallback;             ///< value in force without the option; or, where `may_be_bare`,
-                                    ///< of the option without a value
+  std::string fallback;  ///< value without the option; where `may_be_bare`, value of the option
+                         ///< given without one
   std::string about, group;
-  std::vector<std::string> excludes;  ///< options that may not stand beside it
+  std::vector<std::string> excludes;  ///< options that exclude it
   bool required = false;
   bool several = false;      ///< takes more than one value
   bool may_be_bare = false;  ///< the value may be left out
 };
 
-/// What --help says of a command. Hidden subcommands are left out.
+/// Text of --help about a command. Hidden subcommands are left out.
 struct CommandText {
   std::string name, about;
   std::vector<OptionText> options;  ///< positional arguments first, in their order
   std::vector<CommandText> commands;
 };
 
-/// One option of a command: a handle, valid as long as its CommandLine. Each call returns itself.
+/// Handle of a command's option, valid as long as its CommandLine. Each call returns the handle.
 class Option {
  public:
   explicit Option(CLI::Option* option) : option_(option) {}
@@ -55,14 +55,14 @@ class Option {
   /// --help shows the value that the variable holds now.
   Option show_default();
   Option group(const std::string& heading);
-  /// The value may be left out, as `value` then.
+  /// The value may be left out; it is `value` then.
   Option value_if_left_out(const std::string& value);
 
  private:
   CLI::Option* option_;
 };
 
-/// A command or subcommand: a handle, valid as long as its CommandLine.
+/// Handle of a command or subcommand, valid as long as its CommandLine.
 class Command {
  public:
   explicit Command(CLI::App* app) : app_(app) {}
@@ -89,7 +89,7 @@ class Command {
   /// Keeps the command out of --help, of error lines and of text().
   void hide();
   CommandText text() const;
-  /// How often the option was given; while and after the line is parsed.
+  /// Number of times the option was given; valid while and after the line is parsed.
   std::size_t count(const std::string& name) const;
   /// Called when the command was chosen and its values are written.
   void callback(std::function<void()> chosen);
@@ -98,7 +98,7 @@ class Command {
   CLI::App* app_;
 };
 
-/// The parser. One thread.
+/// Parser of the command line. One thread.
 class CommandLine {
  public:
   CommandLine(const std::string& about, const std::string& name, const std::string& version);

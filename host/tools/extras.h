@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The extras of this build (MIXRIG_EXTRAS), in the one table by which they enter.
+// The extras of this build (MIXRIG_EXTRAS). extras.cpp is the one table that enters them.
 #pragma once
 
 #include <vector>
@@ -13,15 +13,16 @@
 
 namespace mixrig::tools {
 
-/// Sources and devices; those of extras that are left out say so when they are asked for.
+/// Sources and devices by scheme. Those of missing extras return an error that says so.
 session::SourceKinds source_kinds();
-/// Null where the extra "map" is left out.
+/// Functions of the extra "map"; null where it is left out.
 MapJobs map_jobs();
-/// For SessionOptions::extra_poses.
+/// Pose sources of extras, for SessionOptions::extra_poses.
 std::vector<session::ExtraPoses> extra_poses();
-/// New ones, for one run.
+/// Makes new additions for one run.
 session::RunExtras run_extras();
-/// Errors: kUnsupported where the scene asks for what this build leaves out, with its file and key.
+/// Checks that this build has what the scene needs. Errors: kUnsupported, with file and key of the
+/// scene.
 Result<void> check_extras(const scene::Scene& scene);
 
 }  // namespace mixrig::tools

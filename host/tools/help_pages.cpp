@@ -185,7 +185,7 @@ std::string man_page(const HelpEntry& entry) {
 
 // ---- completion
 
-/// What completes the value of an option.
+/// Kind of words that complete the value of an option.
 enum class ValueWords { kFlag, kListed, kNumber, kFile };
 
 ValueWords value_of(const OptionText& option) {

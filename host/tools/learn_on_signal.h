@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SIGUSR1 as an order to a run.
+// Makes SIGUSR1 an order to a run.
 #pragma once
 
 #include <atomic>
@@ -9,8 +9,8 @@
 
 namespace mixrig::tools {
 
-/// While the object exists, SIGUSR1 is output::LearnChanges. The destructor restores the old
-/// handler. One object at a time; the orders outlive it.
+/// While the object exists, SIGUSR1 gives the order output::LearnChanges. The destructor restores
+/// the old handler. One object at a time; the orders outlive it.
 class LearnOnSignal {
  public:
   explicit LearnOnSignal(output::RunOrders& orders) {
@@ -23,7 +23,7 @@ class LearnOnSignal {
 
  private:
   static void learn(int) { orders_.load()->learn_by_signal(); }
-  // A signal handler reaches nothing but what is static.
+  // A signal handler can only use static data.
   static inline std::atomic<output::RunOrders*> orders_ = nullptr;
   static_assert(std::atomic<output::RunOrders*>::is_always_lock_free);
   void (*old_)(int);

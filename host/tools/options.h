@@ -12,12 +12,12 @@
 
 namespace mixrig::tools {
 
-/// "A-B" or "A", 1-based, A <= B. Errors: kUsage, naming the option.
+/// Parses "A-B" or "A", 1-based, A <= B. Errors: kUsage, naming the option.
 Result<FrameRange> parse_range(const std::string& text, const std::string& option);
-/// "WxH", 1..16384 a side. Errors: kUsage.
+/// Parses "WxH", 1..16384 a side. Errors: kUsage.
 Result<Size> parse_size(const std::string& text, const std::string& option);
 
-/// SCENE, --source, --calibration, --backend, --threads, --size as arguments of the command line.
+/// Arguments of the command line: SCENE, --source, --calibration, --backend, --threads, --size.
 struct SessionArguments {
   std::string scene, source, calibration, backend = "auto", size;
   int threads = 0;
@@ -25,13 +25,14 @@ struct SessionArguments {
 void add_session_options(Command command, SessionArguments& arguments);
 void add_calibration_option(Command command, SessionArguments& arguments);
 void add_backend_options(Command command, SessionArguments& arguments);
-/// The given size, if any. Errors: kUsage.
+/// Size of --size; nullopt if it was not given. Errors: kUsage.
 Result<std::optional<Size>> view_size(const SessionArguments& arguments);
 session::BackendChoice backend_choice(const SessionArguments& arguments);
-/// All of them; the source is the take beside the scene if none was given. Errors: kUsage.
+/// Session options from all arguments; the source is the take beside the scene if none was given.
+/// Errors: kUsage.
 Result<session::SessionOptions> session_options(const SessionArguments& arguments);
 
-/// A progress bar on stderr for each step in turn (Progress).
+/// Makes a function that shows a progress bar on stderr for each step in turn (Progress).
 ProgressFn progress_bar();
 
 }  // namespace mixrig::tools

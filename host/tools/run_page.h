@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The operator's page of mixrig run.
+// Operator's page of `mixrig run`.
 #pragma once
 
 #include <memory>
@@ -20,17 +20,17 @@ struct PageArguments {
   bool takes_osc = false;  ///< --osc-in was given
   std::string listen, takes = "recordings", osc_in;
 };
-/// --page, --record-to and --osc-in.
+/// Adds --page, --record-to and --osc-in.
 void add_page_options(Command command, PageArguments& arguments);
 
-/// Serves the page while it lives.
+/// Serves the page while the object lives.
 struct PageRun {
   std::unique_ptr<session::OperatorDesk> desk;
   std::unique_ptr<page::Server> server;
 };
 
-/// A recording is played at its rate from now on, again and again. Adds sinks
-/// and the scene's follower to `parts`, which have the orders; says on stderr where the page is.
+/// Opens the page. From then on a recording is played at its rate, again and again. Adds sinks and
+/// the scene's follower to `parts`, which have the orders, and prints the page's address on stderr.
 /// `session`, `clock` and the orders outlive it. Errors: those of page::parse_listen and
 /// page::Server::start.
 Result<PageRun> open_page(const PageArguments& arguments, session::Session& session, Clock& clock,

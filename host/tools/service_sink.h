@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells the service manager that started the command that composites come.
+// Tells the service manager that started the command that composites arrive.
 #pragma once
 
 #include <memory>
@@ -9,8 +9,8 @@
 
 namespace mixrig::tools {
 
-/// With the first composite the service is ready; then the watchdog hears of it at most once a
-/// second, while composites come and are handed out. Null where no service manager listens
+/// Makes a sink that reports the service as ready with the first composite, then feeds the watchdog
+/// at most once a second while composites arrive. Null where no service manager listens
 /// (NOTIFY_SOCKET). `clock` outlives it.
 std::unique_ptr<output::CompositeSink> make_service_sink(const Clock& clock);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ctrl-C ends long work with a complete output.
+// Lets Ctrl-C end long work with a complete output.
 #pragma once
 
 #include <atomic>
@@ -9,9 +9,9 @@
 
 namespace mixrig::tools {
 
-/// While the object exists, the first SIGINT or SIGTERM sets flag(), which others may set too;
-/// another one half a second later ends the process. The destructor restores the old handlers. One
-/// object at a time.
+/// While the object exists, the first SIGINT or SIGTERM sets flag(), which others may set too.
+/// Another signal half a second later or more ends the process. The destructor restores the old
+/// handlers. One object at a time.
 class StopOnSignal {
  public:
   StopOnSignal() {
@@ -31,7 +31,7 @@ class StopOnSignal {
   static void stop(int signal) {
     const std::int64_t now = now_ms();
     if (!flag_.exchange(true)) first_ms_ = now;
-    // Shells and timeout(1) signal a process and its group: both are the same press of the key.
+    // Shells and timeout(1) signal a process and its group: both signals count as one.
     if (now - first_ms_ < kSamePress_ms) return;
     std::signal(signal, SIG_DFL);
     std::raise(signal);
@@ -42,7 +42,7 @@ class StopOnSignal {
     return std::int64_t{now.tv_sec} * 1000 + now.tv_nsec / 1'000'000;
   }
   static constexpr std::int64_t kSamePress_ms = 500;
-  // A signal handler reaches nothing but what is static.
+  // A signal handler can only use static data.
   static inline std::atomic<bool> flag_ = false;
   static inline std::atomic<std::int64_t> first_ms_ = 0;
   static_assert(std::atomic<bool>::is_always_lock_free);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a camera sees behind the board, found once while it stands still.
+// Caches what a camera sees behind the board while the camera stands still.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 
 namespace mixrig::studio {
 
-/// What is behind the board, of each pixel that was asked for, until the camera turns. Threads may
-/// ask at the same time for different pixels.
+/// Value behind the board for each requested pixel, kept until the camera turns. Threads may ask at
+/// the same time for different pixels.
 template <typename Value>
 class BehindBoard {
  public:

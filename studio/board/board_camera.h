@@ -26,7 +26,7 @@ struct BoardPixel {
   float cosine = 0;      ///< of the angle between ray and normal
 };
 
-/// How many of a pixel's samples are taken: every so many-th, 1..16.
+/// Which of a pixel's samples are taken: every n-th one, n = 1..16.
 struct SampleSteps {
   int border = 1;  ///< of pixels on the board's outline
   int edge = 1;    ///< of pixels on the edges of its squares

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a colour camera sees of the board and of the room behind it.
+// Renders the board and the room behind it for a colour camera.
 #include <cmath>
 
 #include "studio/board/board_light.h"

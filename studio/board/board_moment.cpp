@@ -26,8 +26,8 @@ std::vector<geometry::Pose> BoardStudio::State::poses_about(double time_s, doubl
   return poses;
 }
 
-/// Where the head stands, with the play that its encoders do not show: that of the first view at
-/// angles zero, else its own at each place.
+/// Pose of the head, with the play that its encoders do not show: that of the first view at angles
+/// zero, else its own at each place.
 BoardPlace BoardStudio::State::place_before(const HeadMotion& head) const {
   const PanTiltUnit& unit = info.rig.pan_tilt;
   const auto step = [&](double angle_rad) {

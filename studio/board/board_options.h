@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What views of a board may be asked for, and the rig that they are taken with.
+// Options of board views, and the rig that takes them.
 #pragma once
 
 #include "studio/board/board_studio.h"

@@ -46,8 +46,7 @@ RayFunction fisheye_rays(const FisheyeOptics& optics) {
       [optics](double u, double v, Eigen::Vector3d& ray) { return fisheye_ray(optics, u, v, ray); };
 }
 
-/// The same sensor with `factor` times the relative noise: it collects 1 / factor^2 times the
-/// electrons.
+/// Sensor with `factor` times the relative noise: it collects 1 / factor^2 times the electrons.
 TofSensor noisier(TofSensor sensor, double factor) {
   const auto gain = static_cast<float>(1 / std::pow(std::max(factor, 0.01), 2));
   for (float* charge :

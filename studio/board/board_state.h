@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What BoardStudio holds: the board, the room, the cameras and the buffers of a view.
+// State of BoardStudio: the board, the room, the cameras and the buffers of a view.
 #pragma once
 
 #include <algorithm>
@@ -47,7 +47,7 @@ struct BoardStudio::State {
   /// `poses` at the four taps, or one for all.
   void draw_tof(BoardTof& of, Poses poses, int number, Image<float>& distance_m,
                 Image<float>& amplitude);
-  /// All depth cameras; `poses_at` gives the poses for a sensor.
+  /// Renders all depth cameras; `poses_at` returns the poses for a sensor.
   template <typename PosesAt>
   void draw_tofs(const PosesAt& poses_at, BoardView& view) {
     draw_tof(tof, poses_at(tof.sensor), view.number, view.tof_distance_m, view.tof_amplitude);

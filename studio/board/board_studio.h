@@ -73,12 +73,12 @@ class BoardStudio {
   const BoardInfo& info() const;
   /// Renders view `number` (1..views).
   void render(int number, BoardView& view);
-  /// What target and depth camera see about a time, with blur where the board moves within the
-  /// exposure: a board in the hands of a person (hand_pose); with BoardOptions::pan_tilt a board
-  /// that stands before a head that stands and turns as `head` says. `number` (1-based) seeds the
-  /// noise. The fisheye's picture stays as it is.
+  /// Renders target and depth camera around a time, with blur where the board moves within the
+  /// exposure. The board is in the hands of a person (hand_pose); with BoardOptions::pan_tilt it
+  /// stands still before a head that stands and turns as `head` says. `number` (1-based) seeds the
+  /// noise. The fisheye's picture stays unchanged.
   void render_moment(int number, double time_s, const HeadMotion& head, BoardView& view);
-  /// The fisheye's picture alone, likewise.
+  /// Renders the fisheye's picture alone, in the manner of render_moment().
   void render_fisheye(int number, double time_s, const HeadMotion& head, Image<Rgb8>& picture);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the depth camera measures of the board and of the room behind it.
+// Renders the board and the room behind it for the depth camera.
 #include <algorithm>
 #include <cmath>
 

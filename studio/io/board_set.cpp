@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the virtual studio to a folder of board views with truth.
+// Writes a folder of board views with truth from the virtual studio (docs/reference/take.md,
+// views.toml).
 #include "studio/io/board_set.h"
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the virtual studio to a folder of board views with truth (docs/reference/take.md,
+// Writes a folder of board views with truth from the virtual studio (docs/reference/take.md,
 // views.toml).
 #pragma once
 

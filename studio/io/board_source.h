@@ -20,8 +20,9 @@ namespace mixrig::studio_io {
 Result<std::unique_ptr<capture::CaptureSource>> make_board_source(
     const studio::BoardOptions& options, int frames, bool fisheye);
 
-/// The same, of words SEED,RIG,FRAMES,WxH,WxH (the fisheye's); those left out keep the defaults:
-/// 1, kinect2, 600 frames, 1280x1024 and no fisheye. `turns`: with a head. Errors: kUsage.
+/// Opens a source of board views from the words SEED,RIG,FRAMES,WxH,WxH (the last one is the
+/// fisheye's size). Missing words default to 1, kinect2, 600 frames, 1280x1024 and no fisheye.
+/// `turns`: with a head. Errors: kUsage.
 Result<std::unique_ptr<capture::CaptureSource>> open_board_source(const std::string& words,
                                                                   bool turns);
 

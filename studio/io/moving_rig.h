@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a take of a moving scenario has beside its pictures: tables of the head, the stream of a
+// Files of a moving scenario's take besides its pictures: tables of the head, the stream of a
 // motion capture system, and the true rig. docs/reference/studio.md describes the files.
 #pragma once
 
@@ -19,9 +19,9 @@ std::uint64_t tick_of(int number);
 /// The foot of the unit in the world; its axes are those of estimation::PanTiltChain. `info` must
 /// have a unit.
 geometry::Pose world_from_base(const studio::StudioInfo& info);
-/// What is added to a stamp of the motion capture system for the time of the take that the pose
-/// shows, in the middle of the take; the drift adds less than 5e-5 of the distance in time from
-/// there. `info` must have a system.
+/// Offset to add to a stamp of the motion capture system for the take's time of the pose, in the
+/// middle of the take; the drift adds less than 5e-5 of the time from there. `info` must have a
+/// system.
 double mocap_time_offset_s(const studio::StudioInfo& info);
 
 /// The true rig as a calibration: cameras of `take`, the fisheye where the take has one, the

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the virtual studio to a take with truth and a scene beside it.
+// Writes a take with truth and a scene from the virtual studio.
 #include "studio/io/studio_take.h"
 
 #include <array>
@@ -33,7 +33,7 @@ geometry::CameraModel camera_of(const studio::Optics& o) {
   return {pinhole_of(o), geometry::Lens({k1, k2, p1, p2, k3, 0, 0, 0})};
 }
 
-/// Of scene.toml: enough for half a micrometre at 5 m.
+/// Digits in scene.toml: enough for half a micrometre at 5 m.
 constexpr int kSceneDigits = 7;
 constexpr int kTimeDigits = 9;  ///< microseconds at 100 s
 
@@ -185,7 +185,7 @@ capture::SecondDepthCamera second_camera(const studio::TofInfo& tof) {
           .amplitude_is_light = true};
 }
 
-/// Of a picture at `delay_s` after the frame's mid-exposure.
+/// Exposure time of a picture `delay_s` after the frame's mid-exposure.
 HostTime exposed_at(const capture::Capture& capture, double delay_s) {
   return capture.mid_exposure + Duration(std::llround(1e9 * delay_s));
 }

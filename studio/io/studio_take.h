@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the virtual studio to a take with truth and a scene beside it.
+// Writes a take with truth and a scene from the virtual studio.
 #pragma once
 
 #include <atomic>

@@ -51,7 +51,7 @@ struct Facets {
   }
 };
 
-/// Of the lamps' open points: mirrored, less what no longer reaches the colour below.
+/// Light of the lamps' visible points: mirrored, less what no longer reaches the colour below.
 Vec3 of_lamps(const Facets& facets, const Surfel& s, const LampSet& lamps) {
   float mirrored = 0, kept = 0;
   lamps.each_open(s.origin, s.normal, s.open_mixed, [&](const Vec3& to_lamp, float irradiance) {

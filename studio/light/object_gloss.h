@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a glossy virtual object mirrors of lamps and room, by rays.
+// Traces what a glossy virtual object reflects of lamps and room.
 #pragma once
 
 #include "studio/light/reflection.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light that comes by way of other surfaces.
+// Light by reflection: mirrored by floor, glass and mirror, and one diffuse reflection everywhere.
 #include "studio/light/reflection.h"
 
 #include <array>
@@ -27,7 +27,7 @@ Vec3 leaving(const Reflector& r, const Hit& hit, const Vec3& at, bool with_objec
                              r.lamps->irradiance(origin, hit.normal, open) * r.lamps->tint());
 }
 
-/// What a ray meets, without and with the object, which hides `behind_object`.
+/// Surface that a ray meets, without and with the object, which hides `behind_object`.
 Bounce met(const Reflector& r, const Vec3& origin, const Vec3& direction, bool people,
            const Vec3& behind_object = Vec3::Zero()) {
   Hit hit, other;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light that comes by way of other surfaces: mirrored by floor, glass and mirror, and one diffuse
-// reflection everywhere.
+// Light by reflection: mirrored by floor, glass and mirror, and one diffuse reflection everywhere.
 #pragma once
 
 #include "studio/light/screen_cache.h"
@@ -20,7 +19,7 @@ struct Occluder {
   }
 };
 
-/// What lights a surface by way of another one.
+/// Surfaces that light others by reflection.
 struct Reflector {
   const TraceScene* room = nullptr;  ///< with its furniture
   const Occluder *furniture = nullptr, *object = nullptr, *person = nullptr;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a person wears and carries beside the plain body.
+// Clothes of a person, and carried things, in addition to the plain body.
 #pragma once
 
 #include "studio/stage/person.h"

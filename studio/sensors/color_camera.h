@@ -20,12 +20,12 @@ struct ColorSensor {
   float exposure_s = 8e-3F, readout_s = 12e-3F;  ///< of a row; from the first row to the last
 };
 
-/// What the camera's automatic control does at a time: factors on light and on red and blue.
+/// Factors of the camera's automatic control at a time, on light and on red and blue.
 struct Gain {
   float exposure = 1, red = 1, blue = 1;
 };
-/// At most 0.12 of an f-stop and 3 % of colour from 1; changes by at most a third of that in a
-/// frame. 1 at time 0.
+/// Gain at a time: at most 0.12 of an f-stop and 3 % of colour from 1; changes by at most a third
+/// of that in a frame. 1 at time 0.
 Gain gain_at(unsigned seed, double time_s);
 
 /// Diameter of the circle of confusion of a thin lens, px: A f |1/z - 1/focus|.

@@ -7,7 +7,7 @@
 
 namespace mixrig::studio {
 
-/// Where in its pixel a ray goes, and its share of the light of the exposure.
+/// Position of a ray within its pixel, and its share of the light of the exposure.
 struct FisheyeSample {
   double x_px = 0, y_px = 0;  ///< from the pixel's centre
   float share = 1;

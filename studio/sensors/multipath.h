@@ -9,7 +9,7 @@
 
 namespace mixrig::studio {
 
-/// What the light of a ToF camera meets. The light source is at the lens and lights what the
+/// Scene that the light of a ToF camera meets. The light source is at the lens and lights what the
 /// picture shows.
 struct LitScene {
   const TraceScene* room = nullptr;
@@ -19,11 +19,11 @@ struct LitScene {
   geometry::Pose world_from_tof;
 };
 
-/// Light at a point by way of all surfaces B around it, per albedo 1: the mean over the hemisphere,
-/// weighted with the cosine, of albedo_B cos_B / d_B^2, at the phase of the path from B's light
-/// source over B to the point. The way back to the camera is not in it.
+/// Light that reaches a point by reflection at all surfaces B around it, for albedo 1: the mean
+/// over the hemisphere, weighted with the cosine, of albedo_B cos_B / d_B^2, at the phase of the
+/// path from B's light source over B to the point. The way back to the camera is not included.
 Echo bounced_echo(const LitScene& scene, const Vec3& position, const Vec3& normal, int rays);
-/// The same as the camera sees it: turned by the phase of the way back.
+/// Reflected light as the camera sees it: with the phase of the way back added.
 Echo seen_from(const TofSensor& sensor, const Echo& bounced, float distance_m, float albedo);
 
 /// Bounced light for all pixels, from nodes; those near people are made again for every frame.

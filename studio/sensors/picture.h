@@ -42,7 +42,8 @@ struct Pixel {
   std::uint8_t layer =
       0;  ///< Truth::kBackground, kPerson or kVirtual: the layer with most sub-samples
 };
-/// Without `with_object`, silhouette, light and layer keep their defaults and mixed is zero.
+/// Composes one pixel. Without `with_object`, silhouette, light and layer keep their defaults and
+/// mixed is zero.
 Pixel compose_pixel(const SceneSurfels& surfels, int x, int y, const LampSet& lamps,
                     const Vec3& ambient, const ShadowCasters& casters, bool with_object);
 

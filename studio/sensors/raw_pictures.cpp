@@ -37,8 +37,8 @@ std::uint16_t compressed(float counts) {
   return static_cast<std::uint16_t>(code == 0 || counts > 0 ? code : code + 1024);
 }
 
-/// Where the sensor sends a pixel: rows from the top and from the bottom to the middle, columns
-/// mirrored and every fourth one together.
+/// Position of a pixel in the sensor's data: rows run from the top and from the bottom to the
+/// middle, columns are mirrored and every fourth one is stored together.
 std::size_t bit_of(int x, int y) {
   const int column = kPictureWide - 1 - x;
   const int row = y < kPictureHigh / 2 ? y : kPictureHigh / 2 + kPictureHigh - 1 - y;

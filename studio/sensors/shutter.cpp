@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// When each row of a picture is exposed.
+// Divides the exposure of each row of a picture into slices of time.
 #include "studio/sensors/shutter.h"
 
 #include <algorithm>

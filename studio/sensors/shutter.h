@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// When each row of a picture is exposed, in slices of time.
+// Divides the exposure of each row of a picture into slices of time.
 #pragma once
 
 #include <vector>

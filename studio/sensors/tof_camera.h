@@ -21,7 +21,7 @@ class TofCamera {
   /// Traces the room from a camera pose: once, or before every frame if the camera moves.
   void trace_room(const TraceScene& room, const Materials& materials,
                   const geometry::Pose& world_from_tof, Crew& crew);
-  /// What a frame shows.
+  /// Content of a frame.
   struct Shot {
     std::span<const TraceScene, 4> person;  ///< at each tap
     const Occluder* at_middle = nullptr;    ///< the person, for the bounced light
@@ -31,7 +31,8 @@ class TofCamera {
   };
   void render(const Shot& shot, const Materials& materials, Crew& crew, Image<float>& distance_m,
               Image<float>& amplitude);
-  /// The same frame as raw pictures, for a sensor of raw_sensor(). `true_m`: as Frame::tof_true_m.
+  /// Renders the frame as raw pictures, for a sensor of raw_sensor(). `true_m`: as
+  /// Frame::tof_true_m.
   void render_raw(const Shot& shot, const Materials& materials, Crew& crew,
                   const RawPictures& pictures, std::vector<std::uint8_t>& raw,
                   Image<float>& true_m);
@@ -44,7 +45,8 @@ class TofCamera {
   };
 
   SubRay cast(const TraceScene& scene, const Materials& materials, float u, float v) const;
-  /// What a ray meets after a mirror: as far as the whole way, as by a surface behind the mirror.
+  /// Surface that a ray meets after a mirror, at the length of the whole way, as if it lay behind
+  /// the mirror.
   SubRay by_mirror(const TraceScene& scene, const Materials& materials, const Vec3& direction,
                    const Hit& mirror) const;
   /// Outside the person's silhouette, where a mirror can still show the person.

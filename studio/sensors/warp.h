@@ -6,7 +6,8 @@
 
 namespace mixrig::studio {
 
-/// Where the point that `then` sees at a pixel, `z_m` before it, lies in the picture of `mid`.
+/// Pixel in the picture of `mid` of the point that the camera at `then` sees at `px`, `z_m` before
+/// it.
 Eigen::Vector2f seen_from(const RayGrid& rays, const Optics& optics,
                           const geometry::Pose& mid_from_then, const Eigen::Vector2f& px,
                           float z_m);

@@ -13,21 +13,22 @@ struct LensSetting {
   double zoom = 0, focus = 0.5;
 };
 
-/// At rest (LensSetting{}) it is the target camera of the rig, whose frame has its origin in the
-/// entrance pupil then.
+/// Lens that zooms. At rest (LensSetting{}) it is the target camera of the rig, whose frame then
+/// has its origin in the entrance pupil.
 struct ZoomLens {
   Optics rest;
   double ratio = 1;  ///< of the longest focal length to that at rest
 
   Optics optics(const LensSetting& at) const;
-  /// Of the entrance pupil along the axis from its place at rest, positive towards the scene.
+  /// Shift of the entrance pupil along the axis from its position at rest, positive towards the
+  /// scene.
   double pupil_shift_m(const LensSetting& at) const;
 };
 
-/// At rest until the empty frames end; then it zooms in to the end of the take, and its focus is
-/// pulled meanwhile. `time_s` may lie outside of the take.
+/// Setting of the lens at a time: at rest until the empty frames end; then it zooms in to the end
+/// of the take while its focus is pulled. `time_s` may lie outside of the take.
 LensSetting lens_at(const StudioInfo& info, double time_s);
-/// What ideal encoders say, in counts.
+/// Counts of ideal encoders.
 LensCounts counts_of(const LensSetting& at);
 
 }  // namespace mixrig::studio

@@ -7,7 +7,7 @@
 
 namespace mixrig::studio {
 
-/// In world axes, floor at z = 0, about 12 x 12 m around the room.
+/// Builds the court in world axes, floor at z = 0, about 12 x 12 m around the room.
 VirtualObject build_court();
 /// Sky over a horizon, for behind the court: sRGB.
 Image<Rgb8> paint_sky(Size size);

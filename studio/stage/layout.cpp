@@ -11,7 +11,7 @@
 namespace mixrig::studio {
 namespace {
 
-/// Of a lamp that is off: the shares of the lamps stay defined.
+/// Level of a lamp that is off; above 0, so that the shares of the lamps stay defined.
 constexpr float kLeastLamps = 1e-4F;
 
 Light make_light(bool dim, float lamp_level) {

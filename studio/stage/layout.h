@@ -24,16 +24,16 @@ struct CameraPlace {
   std::optional<HeadAngles> head = std::nullopt;  ///< of the encoders, in scenario pan
 };
 
-/// Of the ambient light of lamps at level 1.
+/// Share of the ambient light at a level of the lamps, relative to level 1.
 float ambient_share(float lamp_level);
-/// How far the door is open, 0 closed.
+/// Opening angle of the door; 0: closed.
 float door_rad(const Day& day, double time_s);
 Layout make_layout(const StudioOptions& options);
 /// World pose of the target camera at rest; in scenario pan, at angles zero.
 geometry::Pose rest_pose(const Layout& layout);
 /// Holds the person at all times of the take, and no furniture if the floor is clear.
 Volume capture_volume(const Layout& layout);
-/// Where the camera is `time_s` after the first frame; continuous, also between frames.
+/// Camera pose `time_s` after the first frame; continuous, also between frames.
 CameraPlace camera_at(const Layout& layout, const StudioOptions& options, double time_s);
 
 }  // namespace mixrig::studio

@@ -41,7 +41,7 @@ class LampSet {
   /// light cannot hit it are not traced; null traces all.
   LampMask open(const TraceScene& scene, const Extent* extent, const Vec3& origin,
                 LampMask wanted) const;
-  /// The same with one ray to each lamp's middle, for light that is spread out anyway.
+  /// Mask of visible lamps with one ray to each lamp's middle, for light that is spread out anyway.
   LampMask open_middle(const TraceScene& scene, const Vec3& origin, LampMask wanted) const;
   /// Sum over the lamps of strength times the panel's mean of cos cos / d^2 over open samples.
   /// Multiplied by tint() it is the irradiance.

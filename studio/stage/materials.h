@@ -17,7 +17,7 @@ struct Wardrobe {
 /// Random clothes; dark ones for `dark`.
 Wardrobe choose_wardrobe(unsigned seed, bool dark);
 
-/// The same person in shirt and trousers of the colour of the far wall.
+/// Dresses a person in shirt and trousers of the colour of the far wall.
 Wardrobe wall_coloured(Wardrobe wardrobe);
 
 /// Albedo of surfaces. Refers to the object's textures (Material::variant is their index); the
@@ -29,7 +29,7 @@ class Materials {
   /// Another person, with the next Material::person.
   void add(const Wardrobe& wardrobe) { wardrobes_.push_back(wardrobe); }
 
-  /// Of the light of lamps; 1 at first.
+  /// Sets the level of the lamps; 1 at first.
   void set_lamp_level(float level) { lamp_level_ = level; }
   /// Linear RGB albedo, 0..1; for Kind::kLamp the emitted light.
   Vec3 albedo(Material material, const Vec2& uv, const Vec3& position_m) const;

@@ -16,12 +16,12 @@ struct RoomPlan {
   Vec3 seat_foot{0, 0, 0};  ///< position on the floor, below its centre
   float seat_yaw_rad = 0;
   bool desk_chair = true;    ///< reaches into the capture volume
-  bool moved_chair = false;  ///< the same, 0.9 m off and turned
+  bool moved_chair = false;  ///< the chair of the desk stands 0.9 m away and turned
   float door_rad = 0;        ///< into the room; 0 closed
   bool guest_seat = false;   ///< a second chair
   Vec3 guest_foot{4.35F, 1.0F, 0};
   bool mirror = false;       ///< on the far wall, in place of the middle picture
-  bool window = false;       ///< the same place: a pane of glass before the night
+  bool window = false;       ///< a pane of glass before the night, in the place of the mirror
   bool thin_things = false;  ///< thin poles and a table seen at a grazing angle
 };
 inline constexpr float kSeatHeight_m = 0.45F;

@@ -57,7 +57,7 @@ Surfel mean(const Probe* const (&corners)[4]) {
   }
   s.origin *= 0.25F, s.albedo *= 0.25F, s.z *= 0.25F;
   s.normal.normalize();
-  // Of a curved surface the corners stand over their mean, and shade it unless it is lifted.
+  // The corners of a curved surface stand over their mean, and shade it unless it is lifted.
   constexpr float kLeastLift_m = 2e-4F;
   float lift_m = 0;
   for (const Probe* p : corners)

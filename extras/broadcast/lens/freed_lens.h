@@ -9,7 +9,7 @@
 
 namespace mixrig::stream {
 
-/// Encoders of a lens alone.
+/// Kind of device: encoders of a lens without a camera.
 live::DeviceKind freed_lens_kind();
 
 std::unique_ptr<live::LensReceiver> make_freed_lens(FreeDReceiver receiver);

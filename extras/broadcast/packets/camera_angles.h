@@ -12,7 +12,8 @@ struct CameraAngles {
   double pan_rad = 0, tilt_rad = 0, roll_rad = 0;
 };
 
-/// Of a camera with axes x right, y down, z forward. Where it looks straight up or down, roll is 0.
+/// Angles of a camera with axes x right, y down, z forward. Roll is 0 where it looks straight up or
+/// down.
 CameraAngles camera_angles(const Eigen::Quaterniond& world_from_camera);
 Eigen::Quaterniond world_from_camera(const CameraAngles& angles);
 

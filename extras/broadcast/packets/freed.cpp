@@ -13,7 +13,7 @@ namespace {
 constexpr std::byte kD1{0xD1};
 constexpr std::int32_t kMost = 0x7FFFFF, kLeast = -0x800000;  // signed, 24 bits
 constexpr double kRadPerStep = std::numbers::pi / 180 / 32768, kMetrePerStep = 1e-3 / 64;
-// Where the values lie.
+// Offsets of the values in the packet.
 constexpr std::size_t kPan = 2, kTilt = 5, kRoll = 8, kPosition = 11, kZoom = 20, kFocus = 23;
 constexpr std::size_t kUser = 26, kChecksum = 28;
 
@@ -33,7 +33,7 @@ void put(std::uint32_t value, std::size_t at, std::span<std::byte> bytes) {
     bytes[at + i] = static_cast<std::byte>(value >> (16 - 8 * i) & 0xFF);
 }
 
-/// What is not a number becomes 0.
+/// Writes a signed 24-bit value in units of `step`, saturated; NaN becomes 0.
 void put_signed(double value, double step, std::size_t at, std::span<std::byte> bytes) {
   const double steps = std::isnan(value) ? 0 : std::round(value / step);
   const double within = std::clamp(steps, double{kLeast}, double{kMost});

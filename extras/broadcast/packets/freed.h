@@ -23,16 +23,16 @@ struct FreeDPacket {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   std::uint32_t zoom = 0, focus = 0;  ///< counts of the encoders, 24 bits
   std::uint16_t user = 0;
-  /// An angle or position is at the end of its 24 bits: the true one may lie beyond (256 degrees,
-  /// 131 m).
+  /// True where an angle or position is at the end of its 24 bits; the true one may lie beyond (256
+  /// degrees, 131 m).
   bool saturated = false;
 };
 
 /// Reads a datagram. Pure. Errors: kData for another length or kind, or a wrong checksum.
 Result<FreeDPacket> parse_freed(std::span<const std::byte> bytes);
 
-/// The packet's bytes. What does not fit is saturated; camera, zoom and focus are cut to their
-/// bits.
+/// Writes the packet's bytes. Values out of range are saturated; camera, zoom and focus are cut to
+/// their bits.
 std::array<std::byte, kFreeDBytes> freed_bytes(const FreeDPacket& packet);
 
 }  // namespace mixrig::stream

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// FreeD packets as a head or a lens encoder sends them to a port of this machine.
+// Receives FreeD packets from a camera head or a lens encoder at a port of this machine.
 #pragma once
 
 #include <array>
@@ -13,18 +13,18 @@
 
 namespace mixrig::stream {
 
-/// "freed:[HOST:]PORT[,CAMERA]", CAMERA 0..255. Without HOST only this machine is listened to.
+/// Parses "freed:[HOST:]PORT[,CAMERA]", CAMERA 0..255. Without HOST the loop-back address is used.
 /// Pure. Errors: kUsage.
 Result<ListenAddress> parse_freed_address(const std::string& uri);
 
 /// Not thread-safe. Nothing allocates after open().
 class FreeDReceiver {
  public:
-  /// Port 0 takes a free one. Errors: kUsage for an address that is no IPv4, kDevice where the port
-  /// cannot be opened.
+  /// Opens the port; port 0 takes a free one. Errors: kUsage for an address that is not IPv4,
+  /// kDevice where the port cannot be opened.
   static Result<FreeDReceiver> open(const ListenAddress& address);
 
-  /// Waits for one datagram, `timeout` at most; nullopt where none came or it was not of the
+  /// Waits for one datagram, `timeout` at most; nullopt where none came or it was of another
   /// camera. Errors: kDevice where the socket fails.
   Result<std::optional<FreeDPacket>> next(Duration timeout);
   const StreamCounts& counts() const { return counts_; }

@@ -29,20 +29,20 @@ struct OpenTrackSample {
   Uuid sample_id{}, source_id{};
   int source = 1;            ///< 1..200
   std::uint64_t number = 0;  ///< counts the samples
-  std::int64_t time_ns = 0;  ///< of mid-exposure, since 1970
-  /// Of the clock that the time is of.
+  std::int64_t time_ns = 0;  ///< time of mid-exposure since 1970
+  /// Kind and state of the clock of `time_ns`.
   struct Synchronization {
     enum class Source : std::uint8_t { kPtp, kNtp } source = Source::kPtp;
     bool locked = false;
   };
   std::optional<Synchronization> synchronization;
-  std::string status;                  ///< of the tracker, such as "ok" or why there is no pose
-  std::optional<CameraAngles> angles;  ///< none: the pose is not known
+  std::string status;  ///< state of the tracker, such as "ok" or why there is no pose
+  std::optional<CameraAngles> angles;  ///< absent: the pose is unknown
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-  double focal_length_mm = 0;                           ///< of a pinhole
+  double focal_length_mm = 0;                           ///< focal length of a pinhole
   Eigen::Vector2d offset_mm = Eigen::Vector2d::Zero();  ///< of the principal point, right and down
   std::optional<double> zoom, focus;                    ///< raw values of the lens's encoders
-  /// Of the sensor; sent now and then.
+  /// Size of the sensor; sent now and then.
   struct Sensor {
     double width_mm = 0, height_mm = 0;
     int width_px = 0, height_px = 0;
@@ -50,22 +50,22 @@ struct OpenTrackSample {
   std::optional<Sensor> sensor;
 };
 
-/// The sample's payload.
+/// Encodes the sample as payload.
 std::vector<std::byte> opentrack_payload(const OpenTrackSample& sample, OpenTrackEncoding encoding);
 
-/// One datagram.
+/// Contents of one datagram.
 struct OpenTrackSegment {
   OpenTrackEncoding encoding = OpenTrackEncoding::kJson;
-  std::uint16_t sequence = 0;  ///< of the sample that it is a part of
-  std::uint32_t offset = 0;    ///< of its payload in the sample's
+  std::uint16_t sequence = 0;  ///< sequence number of the sample
+  std::uint32_t offset = 0;    ///< offset of this payload in the sample's payload
   bool last = true;
   std::span<const std::byte> payload;
 };
 
-/// The header and payload of a segment. Precondition: payload of at most 32767 bytes.
+/// Encodes header and payload of a segment. Precondition: payload of at most 32767 bytes.
 std::vector<std::byte> opentrack_datagram(const OpenTrackSegment& segment);
 
-/// A payload cut into datagrams.
+/// Divides a payload into datagrams.
 std::vector<std::vector<std::byte>> opentrack_datagrams(std::span<const std::byte> payload,
                                                         OpenTrackEncoding encoding,
                                                         std::uint16_t sequence);

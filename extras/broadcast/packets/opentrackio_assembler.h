@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Puts the segments of an OpenTrackIO sample together.
+// Assembles the segments of an OpenTrackIO sample.
 #pragma once
 
 #include <array>
@@ -19,15 +19,16 @@ struct OpenTrackPayload {
   OpenTrackEncoding encoding = OpenTrackEncoding::kJson;
 };
 
-/// One sample at a time; segments may come in any order and twice. A sample whose segments did not
-/// all come before the next sample's is lost, one that contradicts itself too. Bounded: samples of
-/// at most kOpenTrackMostBytes in at most kMostSegments. Not thread-safe.
+/// Assembles one sample at a time; segments may come in any order and twice. A sample is lost if
+/// not all of its segments come before the next sample's, or if they contradict each other.
+/// Bounded: samples of at most kOpenTrackMostBytes in at most kMostSegments. Not thread-safe.
 class OpenTrackAssembler {
  public:
   static constexpr std::size_t kMostSegments = 64;
   OpenTrackAssembler() { bytes_.resize(kOpenTrackMostBytes); }
   std::optional<OpenTrackPayload> add(const OpenTrackSegment& segment);
-  /// Samples, by their sequence numbers: not or not wholly come; segments after the next sample's.
+  /// Numbers of lost samples, by gaps in the sequence or missing segments, and of late segments,
+  /// which come after the next sample's.
   long lost() const { return lost_; }
   long late() const { return late_; }
 
@@ -37,7 +38,7 @@ class OpenTrackAssembler {
   };
   void begin(const OpenTrackSegment& segment);
   bool is_late(std::uint16_t sequence) const;
-  /// False where it contradicts the other segments.
+  /// Stores a segment; false where it contradicts the others.
   bool keep(const OpenTrackSegment& segment);
   bool is_whole() const;
 
@@ -47,8 +48,8 @@ class OpenTrackAssembler {
   std::vector<std::byte> bytes_;
   std::array<Part, kMostSegments> parts_{};
   std::size_t count_ = 0;
-  std::optional<std::uint32_t> size_;  ///< of the sample, once its last segment came
-  std::uint32_t came_ = 0;             ///< bytes
+  std::optional<std::uint32_t> size_;  ///< size of the sample, known once its last segment came
+  std::uint32_t came_ = 0;             ///< received bytes
   long lost_ = 0, late_ = 0;
 };
 

@@ -26,7 +26,7 @@ inline std::uint32_t get_big(std::span<const std::byte> bytes, std::size_t at, s
   return value;
 }
 
-/// Fletcher's checksum modulo 256, over all but the bytes that hold it.
+/// Fletcher's checksum modulo 256, over all bytes except the checksum's own.
 inline std::uint16_t fletcher16(std::span<const std::byte> datagram) {
   unsigned sum = 0, sums = 0;
   for (std::size_t i = 0; i < datagram.size(); ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenTrackIO 1.0 as other programs send it: datagrams, and samples as JSON or CBOR.
+// Reads OpenTrackIO 1.0 from other programs: datagrams, and samples as JSON or CBOR.
 #pragma once
 
 #include <cstddef>
@@ -14,25 +14,25 @@
 
 namespace mixrig::stream {
 
-inline constexpr std::size_t kOpenTrackMostBytes = 65536;  ///< of a sample that is read
+inline constexpr std::size_t kOpenTrackMostBytes = 65536;  ///< largest sample that is read
 
-/// The header and payload of a datagram; the payload is a part of `bytes`. Pure. Errors: kData for
-/// another magic, encoding or length, or a wrong checksum.
+/// Parses a datagram's header and payload; the payload is a part of `bytes`. Pure. Errors: kData
+/// for another magic, encoding or length, or a wrong checksum.
 Result<OpenTrackSegment> parse_opentrack_datagram(std::span<const std::byte> bytes);
 
-/// What a sample tells of a camera.
+/// Contents of a sample about a camera.
 struct OpenTrackReading {
-  int source = 0;                       ///< sourceNumber; 0: not told
+  int source = 0;                       ///< sourceNumber; 0: absent
   std::optional<std::int64_t> time_ns;  ///< sampleTimestamp, since 1970
-  std::string status;                   ///< of the tracker
-  /// The product of the transforms, of a camera with axes x right, y down, z forward. The stage has
-  /// z up. None: not known.
+  std::string status;                   ///< state of the tracker
+  /// Product of the transforms, of a camera with axes x right, y down, z forward, on a stage with z
+  /// up. Absent: unknown.
   std::optional<geometry::Pose> stage_from_camera;
 };
 
-/// Pure; nested at most 32 deep. Keys that are not read are not checked. Errors: kData for bytes
-/// that are no JSON or CBOR of OpenTrackIO, values of another type, out of bounds or not finite,
-/// and transforms that scale; kUnsupported for another major version.
+/// Parses a sample's payload, nested at most 32 deep. Keys that are not used are not checked. Pure.
+/// Errors: kData for bytes that are not JSON or CBOR of OpenTrackIO, values of another type, out of
+/// bounds or not finite, and transforms that scale; kUnsupported for another major version.
 Result<OpenTrackReading> parse_opentrack_payload(std::span<const std::byte> payload,
                                                  OpenTrackEncoding encoding);
 

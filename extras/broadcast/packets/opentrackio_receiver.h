@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenTrackIO samples as a tracker sends them to a port of this machine, or to a group.
+// Receives OpenTrackIO samples of a tracker at a port of this machine, or from a multicast group.
 #pragma once
 
 #include <array>
@@ -15,17 +15,18 @@ namespace mixrig::stream {
 
 inline constexpr int kOpenTrackPort = 55555;
 
-/// "opentrackio:[HOST:]PORT[,SOURCE]", SOURCE 1..200; HOST an address of this machine, or of a
-/// group, which is 239.135.1.SOURCE by the standard. Without HOST only this machine is listened to.
-/// Pure. Errors: kUsage.
+/// Parses "opentrackio:[HOST:]PORT[,SOURCE]", SOURCE 1..200. HOST is an address of this machine, or
+/// of a multicast group, which is 239.135.1.SOURCE by the standard. Without HOST the loop-back
+/// address is used. Pure. Errors: kUsage.
 Result<ListenAddress> parse_opentrack_address(const std::string& uri);
 
-/// Without a SOURCE that of the first sample is read. Not thread-safe.
+/// Receives the samples of one source: SOURCE, or without it the source of the first sample. Not
+/// thread-safe.
 class OpenTrackReceiver {
  public:
-  /// Port 0 takes a free one. Errors: of UdpReceiver::open().
+  /// Opens the port; port 0 takes a free one. Errors: those of UdpReceiver::open().
   static Result<OpenTrackReceiver> open(const ListenAddress& address);
-  /// Waits for one datagram, `timeout` at most; nullopt where none came or no sample became whole.
+  /// Waits for one datagram, `timeout` at most; nullopt where none came or it completed no sample.
   /// Errors: kDevice where the socket fails.
   Result<std::optional<OpenTrackReading>> next(Duration timeout);
   StreamCounts counts() const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// When packets without time stamps were due, from when they came.
+// Estimates when packets without time stamps were due, from their arrival times.
 #pragma once
 
 #include <array>
@@ -9,22 +9,22 @@
 
 namespace mixrig::pose {
 
-/// A sender of constant rate whose packets come late by jitter, some not at all. The phase of its
-/// ticks is that of the packet that came earliest of the last kKept; a packet is of the tick before
-/// its arrival. Right while the jitter stays below half a period; a clock that is off by 200 ppm of
-/// the rate moves the result by 0.3 ms at 50 Hz. Nothing allocates. One thread.
+/// Models a sender of constant rate whose packets come late by jitter, some not at all. The phase
+/// of its ticks is the phase of the earliest packet of the last kKept; each packet belongs to the
+/// tick before its arrival. Correct while the jitter stays below half a period; a clock whose rate
+/// is off by 200 ppm moves the result by 0.3 ms at 50 Hz. Nothing allocates. One thread.
 class ArrivalComb {
  public:
   /// Precondition: rate_hz > 0.
   explicit ArrivalComb(double rate_hz) : period_s_(1 / rate_hz) {}
 
-  /// The time at which a packet would have come without jitter: never after `received`, and never
-  /// before an earlier result.
+  /// Time at which the packet received at `received` would have come without jitter: never after
+  /// `received`, and never before an earlier result.
   HostTime due(HostTime received);
-  /// Of the packets kept: root mean square of their lateness.
+  /// Root mean square lateness of the packets kept.
   Duration jitter() const;
-  /// False where kLeast or more packets have no common phase: the sender has another rate. due() is
-  /// then the time of arrival.
+  /// False where kLeast or more packets have no common phase, because the sender has another rate.
+  /// due() then returns the time of arrival.
   bool fits() const;
 
   static constexpr std::size_t kKept = 64, kLeast = 32;

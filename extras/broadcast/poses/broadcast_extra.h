@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// [[pose_out]] of a scene in a run: poses sent to other programs.
+// Sends poses of a run to other programs: [[pose_out]] of a scene.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@ namespace mixrig::broadcast {
 
 class BroadcastExtra final : public session::RunExtra {
  public:
-  /// Errors: those of PoseSink::create(), with the scene's name.
+  /// Opens a sink for the poses. Errors: those of PoseSink::create(), with the scene's name.
   Result<std::vector<std::unique_ptr<output::CompositeSink>>> open(
       const session::ExtraSetup& setup) override;
   void add_to(nlohmann::json& report) const override;

@@ -21,10 +21,10 @@ using geometry::Pose;
 
 constexpr Duration kStreamLook = std::chrono::milliseconds(100);  // at stop_
 constexpr double kGapOfCameras_s = 0.1;  // one sample of 25 Hz may be missing
-// Of FreeD; OpenTrackIO has more digits.
+// Resolution of FreeD's angles and positions; OpenTrackIO has more digits.
 constexpr double kFreeDTurn_rad = M_PI / 180 / 32768, kFreeDShift_m = 1e-3 / 64;
 
-/// What a protocol made of one datagram.
+/// Sample that a protocol read from one datagram.
 struct StreamSample {
   double time_s = 0;
   std::optional<TargetSeen> seen;

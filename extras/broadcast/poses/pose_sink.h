@@ -17,22 +17,22 @@
 
 namespace mixrig::session {
 
-/// What was sent to one receiver.
+/// Counts of what was sent to one receiver.
 struct PoseOutReport {
   std::string protocol, udp;
   std::uint64_t frames = 0, lost_frames = 0;  ///< with a pose, and without
-  std::uint64_t datagrams = 0, dropped = 0;   ///< that the system took, and did not take
+  std::uint64_t datagrams = 0, dropped = 0;   ///< accepted, and not accepted, by the system
 };
 nlohmann::json to_json(const std::vector<PoseOutReport>& reports);
 
-/// Time and lens are those of the plate's mid-exposure and of the composite, whose picture has no
-/// distortion. A frame without a pose is a sample without transforms (OpenTrackIO), or none
-/// (FreeD).
+/// Sends the pose and lens at the plate's mid-exposure; the lens is the composite's, whose picture
+/// has no distortion. A frame without a pose is a sample without transforms (OpenTrackIO), or not
+/// sent (FreeD).
 class PoseSink final : public output::CompositeSink {
  public:
-  /// `epoch_ns`: of 1970, at host time 0. `begin`: of a recording, whose first frame gets this host
-  /// time. `reports` is complete after finish(), and must outlive the sink. `is_locked`: whether
-  /// the system clock is kept right, asked every two seconds. Errors: kUsage, kDevice.
+  /// `epoch_ns`: Unix time of host time 0. `begin`: host time that the first frame of a recording
+  /// gets. `reports` is complete after finish(), and must outlive the sink. `is_locked`: whether
+  /// the system clock is synchronized; called every two seconds. Errors: kUsage, kDevice.
   static Result<std::unique_ptr<PoseSink>> create(const std::vector<scene::PoseOut>& outs,
                                                   std::int64_t epoch_ns,
                                                   std::optional<HostTime> begin,
@@ -50,7 +50,7 @@ class PoseSink final : public output::CompositeSink {
     stream::Uuid source{};
     std::uint64_t samples = 0;
     std::int64_t sensor_sent_ns = 0;
-    bool locked = false;  ///< the clock, when the sensor was sent
+    bool locked = false;  ///< the clock was synchronized when the sensor was last sent
   };
   PoseSink(std::int64_t epoch_ns, std::optional<HostTime> begin,
            std::vector<PoseOutReport>& reports, bool (*is_locked)())
@@ -58,8 +58,8 @@ class PoseSink final : public output::CompositeSink {
   void send_freed(const output::Composite& composite, Receiver& to);
   void send_opentrack(const output::Composite& composite, Receiver& to);
 
-  std::int64_t epoch_ns_;          ///< of 1970, at time 0 of the captures
-  std::optional<HostTime> begin_;  ///< of a recording, until its first frame
+  std::int64_t epoch_ns_;          ///< Unix time at time 0 of the captures
+  std::optional<HostTime> begin_;  ///< host time for a recording's first frame; empty after it
   std::vector<Receiver> receivers_;
   std::vector<PoseOutReport>& reports_;
   bool (*is_locked_)();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// pose = "freed:..." and "opentrackio:..." of a scene.
+// Pose sources "freed:..." and "opentrackio:..." of a scene.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 
 namespace mixrig::broadcast {
 
-/// For SessionOptions::extra_poses. Errors: kUsage for the address; kDevice for
-/// the port; those of the calibration.
+/// Pose sources for SessionOptions::extra_poses. Errors: kUsage for the address; kDevice for the
+/// port; those of the calibration.
 std::array<session::ExtraPoses, 2> scene_poses();
 
 }  // namespace mixrig::broadcast

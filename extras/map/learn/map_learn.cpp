@@ -24,7 +24,7 @@ struct TrueView {
   geometry::Pose world_from_camera;
 };
 
-/// What the take holds beside the tracks.
+/// Data of the take besides the tracks.
 struct Beside {
   std::vector<TrueView> truth;
   std::vector<reconstruction::DepthView> depth;  ///< some kDepthViews, evenly over the take

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A take's pictures become a learned map.
+// Learns a map from a take's pictures.
 #pragma once
 
 #include <filesystem>
@@ -16,16 +16,16 @@ struct MapLearnOptions {
   std::filesystem::path take, out;
   std::filesystem::path calibration;  ///< empty: the take's
   TrackedCamera camera = TrackedCamera::kFisheye;
-  int tracks = 1500;                       ///< places that are followed at a time
+  int tracks = 1500;                       ///< points that are tracked at a time
   int threads = 0;                         ///< 0: one per core
   std::function<void(int, int)> progress;  ///< done and total; may be empty
 };
 
 /// Learns and writes the map. Returns {"pictures", "poses", "keys", "points", "descriptors",
 /// "scale" ("metric" or "unknown"), "scale_sigma_pct", "scale_measurements", "residual_px",
-/// "seconds"}, and where the take has truth what errors_of_path() says; of a metric map also
-/// "scale_error_pct", "rms_similarity_mm" and "rms_similarity_pct", by similarity. Errors: those of
-/// take and calibration, of reconstruction::reconstruct() and of writing.
+/// "seconds"}; where the take has truth, also the keys of errors_of_path(), and for a metric map
+/// "scale_error_pct", "rms_similarity_mm" and "rms_similarity_pct", after a similarity. Errors:
+/// those of take and calibration, of reconstruction::reconstruct() and of writing.
 Result<nlohmann::json> learn_map(const MapLearnOptions& options);
 
 }  // namespace mixrig::session

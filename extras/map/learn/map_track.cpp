@@ -28,7 +28,7 @@ double room_size(const reconstruction::LearnedMap& map) {
   return middle > 0 ? kUsual_m / middle : 1;
 }
 
-/// What is known of all pictures.
+/// Results of tracking all pictures.
 struct Followed {
   RoomTrack track;
   std::vector<trajectory::TimedPose> path;  ///< in units of the map

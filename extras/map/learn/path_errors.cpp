@@ -20,7 +20,7 @@ double root_mean_square(const std::vector<float>& values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-/// Of the values over their number, by least squares.
+/// Slope of the values over their index, by least squares.
 double slope_by_number(const std::vector<float>& values) {
   const double middle = 0.5 * static_cast<double>(values.size() - 1);
   double xx = 0, xy = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a path lies off the truth once the two are laid on each other.
+// Errors of a path against the truth after alignment.
 #pragma once
 
 #include <span>
@@ -15,11 +15,11 @@ struct PosePair {
   geometry::Pose found, truth;
 };
 
-/// Lays the places of `found` on those of `truth` by a rigid motion, or by a similarity where
-/// `free_scale`. Returns {"aligned": "rigid" or "similarity", "extent_m" of the true path,
+/// Aligns the positions of `found` with those of `truth` by a rigid motion, or by a similarity
+/// where `free_scale`. Returns {"aligned": "rigid" or "similarity", "extent_m" of the true path,
 /// "rms_mm", "p95_mm", "max_mm", "rms_deg", "rms_pct" of the extent, "drift_mm_per_1000",
-/// "metres_per_unit" of the map}; null for fewer than 3 pairs, or where they do not
-/// determine the motion.
+/// "metres_per_unit" of the map}; null for fewer than 3 pairs, or where they do not determine the
+/// motion.
 nlohmann::json errors_of_path(std::span<const PosePair> pairs, bool free_scale);
 
 }  // namespace mixrig::session

@@ -9,11 +9,11 @@
 
 namespace mixrig::plan {
 
-/// Cost of a pair that must not be.
+/// Cost of a forbidden pair.
 inline constexpr double kForbidden = std::numeric_limits<double>::infinity();
 
-/// For each row its column, -1 for none. As many pairs as are allowed, and of these the cheapest in
-/// sum (shortest augmenting paths, Jonker and Volgenant 1987). Costs are at least 0.
+/// Column of each row, -1 for none. Makes as many pairs as are allowed, at the least total cost
+/// (shortest augmenting paths, Jonker and Volgenant 1987). Costs are at least 0.
 std::vector<int> assign(const Eigen::MatrixXd& cost);
 
 }  // namespace mixrig::plan

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where on the floor a body stands of which one side was seen.
+// Finds where a body stands on the floor, of which only one side was seen.
 #include "extras/people/plan/body_place.h"
 
 #include <algorithm>
@@ -17,8 +17,8 @@ constexpr double kDepthShare = 0.09;
 constexpr double kLeastHalf_m = 0.12, kMostHalf_m = 0.28;
 constexpr double kTrunk_m2 = 0.04;  ///< seen, for it to tell a place
 constexpr double kAlongSigma_m = 0.018, kAcrossSigma_m = 0.012;
-// Of what is hidden the error is the same for many frames, which a filter takes for that many
-// witnesses: these are some three times the errors.
+// Errors by hidden parts are alike in many frames, which a filter would treat as independent. These
+// sigmas are therefore about three times the errors.
 constexpr double kOneSideSigma_m = 0.12;  ///< of a place from one side of the trunk
 constexpr double kHeadSigma_m = 0.07;     ///< of a place from the head
 constexpr double kHiddenAlong_m = 0.25;   ///< per share of the trunk's width that is hidden
@@ -59,10 +59,10 @@ struct Profile {
     }
     return 0;
   }
-  /// Of the middle half of the surface.
+  /// Middle of the surface's middle half.
   double middle_m() const { return 0.5 * (quantile_m(0.25) + quantile_m(0.75)); }
   double half_width_m() const { return quantile_m(0.75) - quantile_m(0.25); }
-  /// Where the surface ends, and whether it may go on behind something.
+  /// End of the surface on one side, and whether it may go on behind something.
   struct Side {
     double u_m = 0;
     bool may_go_on = false;
@@ -103,7 +103,7 @@ std::optional<double> middle_of_head_m(const Profile& head) {
   return head.middle_m();
 }
 
-/// What is seen of a body of a height, in axes of the view from above.
+/// Seen part of a body of known height, in axes of the view from above.
 struct SeenBody {
   double height_m;
   Eigen::Vector2d middle_m, along, across;  ///< across: to the left
@@ -144,7 +144,7 @@ struct Across {
   double at_m = 0, sigma_m = 0;
 };
 
-/// Of the axis of a body of which a trunk is seen.
+/// Position across the view of the axis of a body whose trunk is seen.
 Across axis_across(const SeenBody& seen, double reach_m, bool head_is_top) {
   const auto right = seen.trunk.right(), left = seen.trunk.left();
   if (!right.may_go_on && !left.may_go_on) return {seen.trunk.middle_m(), kAcrossSigma_m};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the key saw of people, as clusters in space.
+// Groups the pixels that the key assigned to people into clusters in space.
 #include "extras/people/plan/clusters.h"
 
 #include <algorithm>
@@ -152,7 +152,7 @@ double ClusterFinder::distance_m(const Component& a, const Component& b) const {
   return least;
 }
 
-/// Who was seen in the frame before first, then who was hidden, then heads of people who are new.
+/// Divides clusters at people seen in the frame before, at hidden ones, then at new heads.
 void ClusterFinder::divide(std::span<const Expected> expected) {
   const auto is_new = [&](const Eigen::Vector2d& place) {
     return std::none_of(inside_m_.begin(), inside_m_.end(), [&](const Eigen::Vector2d& known) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the key saw of people, as clusters in space.
+// Groups the pixels that the key assigned to people into clusters in space.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ struct SegmentedView {
       visible_m{};  ///< z of what is seen, people or not; 0 unknown; may be empty
 };
 
-/// Where somebody is expected, world x y.
+/// Expected position of a person, world x y.
 struct Expected {
   Eigen::Vector2d at_m = Eigen::Vector2d::Zero();
   bool was_seen = true;  ///< in the frame before
@@ -35,21 +35,21 @@ struct Expected {
 struct SurfacePoint {
   static constexpr std::uint8_t kLeft = 1, kRight = 2;
   Eigen::Vector3f at_m;
-  float area_m2 = 0;           ///< of its pixel at its depth, facing the camera
+  float area_m2 = 0;           ///< area of the pixel at its depth, facing the camera
   std::uint8_t may_go_on = 0;  ///< sides of the picture where something nearer, or its border, may
                                ///< hide more of the surface
 };
 
 struct ClusterOptions {
-  double cell_m = 0.05;          ///< of the plan in which points are connected
+  double cell_m = 0.05;          ///< cell size of the plan in which points are connected
   double join_m = 0.05;          ///< gap that is bridged
-  double least_m2 = 0.15;        ///< seen surface of a person that is not yet known
-  double least_known_m2 = 0.04;  ///< of one that is expected there
-  double part_within_m = 0.4;    ///< smaller parts belong to a cluster that is so near
+  double least_m2 = 0.15;        ///< least seen surface of an unknown person
+  double least_known_m2 = 0.04;  ///< least seen surface of an expected person
+  double part_within_m = 0.4;    ///< smaller parts join a cluster within this distance
   double farthest_m = 12;        ///< from the camera
 };
 
-/// One person, or what moved as one. Points are valid until the next frame.
+/// A person, or a group that cannot be separated. Points are valid until the next frame.
 struct Cluster {
   std::span<const SurfacePoint> points;
   Eigen::Vector3d center_m = Eigen::Vector3d::Zero();  ///< centre of mass of the seen surface
@@ -58,20 +58,20 @@ struct Cluster {
   bool is_cut = false;                                 ///< reaches the border of the picture
 };
 
-/// Points are counted in a plan of the floor (the plan-view map of Harville 2004), so what is
-/// connected in space stays one when the picture shows it in pieces, and people behind one another
-/// are two. Cells with little surface are left out: depth between a person and the room behind.
-/// No allocation once the buffers have grown. One thread.
+/// Finds clusters in a plan of the floor (the plan-view map of Harville 2004), so a body that the
+/// picture shows in pieces stays one cluster, and people behind one another are two. Cells with
+/// little surface are left out: they hold depth between a person and the room behind. No allocation
+/// once the buffers have grown. One thread.
 class ClusterFinder {
  public:
   explicit ClusterFinder(const ClusterOptions& options = {}) : options_(options) {}
-  /// Clusters in descending order of their area. A cluster that holds several
-  /// expected people, or heads with a gap between them, is divided, each cell to the nearest.
+  /// Finds clusters, the largest first. A cluster that holds several expected people, or heads with
+  /// a gap between them, is divided: each cell goes to the nearest.
   std::span<const Cluster> find(const SegmentedView& seen, std::span<const Expected> expected);
 
  private:
   static constexpr int kNone = -1;
-  static constexpr int kHeights = 128;  ///< of kHeightStep_m
+  static constexpr int kHeights = 128;  ///< height classes of kHeightStep_m
   struct Sample {
     SurfacePoint point;
     bool at_border = false;
@@ -106,7 +106,7 @@ class ClusterFinder {
   std::vector<float> ray_x_;
   int columns_ = 0, rows_ = 0;
   Eigen::Vector2d corner_m_ = Eigen::Vector2d::Zero();
-  std::vector<float> area_m2_, around_m2_;  ///< of the cells; with those around them
+  std::vector<float> area_m2_, around_m2_;  ///< area in each cell; and with the cells around it
   std::vector<float> top_m_;                ///< of the cells
   std::vector<int> component_of_;           ///< of the cells
   std::vector<int> open_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long people were where.
+// Sums the time that people spent in each place of the floor.
 #include "extras/people/plan/dwell_map.h"
 
 #include <Eigen/Geometry>

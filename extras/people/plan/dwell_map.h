@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long people were where.
+// Sums the time that people spent in each place of the floor.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace mixrig::plan {
 
-/// Column x and row y hold the world's x and y from the corner on.
+/// Grid of the floor; column x and row y hold the world's x and y from the corner on.
 struct DwellGrid {
   double cell_m = 0;
   Eigen::Vector2d corner_m = Eigen::Vector2d::Zero();
@@ -22,9 +22,9 @@ struct DwellGrid {
 class DwellMap {
  public:
   static constexpr double kCell_m = 0.1;
-  /// A person was there for `time_s`.
+  /// Adds a person who was at a place for `time_s`.
   void add(const Eigen::Vector2d& at_m, double time_s);
-  /// The smallest that holds all cells.
+  /// Smallest grid that holds all cells.
   DwellGrid grid() const;
 
  private:

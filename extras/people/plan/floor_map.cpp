@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The floor of a room seen from above: what stands on it, and where it is free.
+// Maps the floor of a room from above: what stands on it, and where it is free.
 #include "extras/people/plan/floor_map.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// People on the floor, followed from frame to frame.
+// Tracks people on the floor from frame to frame.
 #include "extras/people/plan/people_tracker.h"
 
 #include <algorithm>
@@ -190,7 +190,7 @@ bool PeopleTracker::may_hide(const Eigen::Vector2d& place_m, const SegmentedView
   return false;
 }
 
-/// Who is not seen has gone soon where nothing hides the place.
+/// Whether an unseen person has left: sooner where nothing hides the place.
 bool PeopleTracker::has_gone(Track& track, const SegmentedView& seen, double time_s) const {
   if (track.misses == 0) return false;
   if (!track.is_believed) return track.misses > 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// People on the floor, followed from frame to frame.
+// Tracks people on the floor from frame to frame.
 #pragma once
 
 #include <optional>
@@ -17,18 +17,18 @@ enum class Sight : std::uint8_t {
   kSeen,    ///< in this frame
   kCut,     ///< seen, but the picture's border cuts the body
   kPartly,  ///< seen, but a side of the trunk is not
-  kHidden,  ///< not seen; the place is expected by the motion
+  kHidden,  ///< not seen; the position is predicted by the motion
 };
 std::string_view name(Sight sight);
 
 /// A person in one frame.
 struct Person {
-  int id = 0;                                            ///< from 1 on, never used again
+  int id = 0;                                            ///< from 1 on, never reused
   Eigen::Vector2d on_floor_m = Eigen::Vector2d::Zero();  ///< world x y
   Eigen::Vector2d velocity_m_s = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of on_floor_m
-  double height_m = 0;                                   ///< largest that was seen lately
-  double area_m2 = 0;                                    ///< of the surface seen in this frame
+  double height_m = 0;                                   ///< largest recently seen height
+  double area_m2 = 0;                                    ///< area of the surface seen in this frame
   Sight sight = Sight::kSeen;
   double since_s = 0;                     ///< first seen
   std::span<const SurfacePoint> surface;  ///< seen in this frame; valid until the next one
@@ -36,22 +36,22 @@ struct Person {
 
 struct PeopleOptions {
   ClusterOptions clusters;
-  double acceleration_m_s2 = 1.0;  ///< sigma of a step's change of velocity within a second
-  double shape_sigma_m = 0.01;     ///< of a place, that stays for a whole step of the body
-  double most_hidden_s = 1.5;      ///< then a person that is not seen has gone
-  double left_s = 0.4;             ///< the same, where nothing hides it
-  int frames_to_believe = 4;       ///< seen in so many of the last frames
+  double acceleration_m_s2 = 1.0;  ///< sigma of the change of velocity within a second
+  double shape_sigma_m = 0.01;  ///< sigma of a position's error that lasts for a step of the body
+  double most_hidden_s = 1.5;   ///< after this time an unseen person has left
+  double left_s = 0.4;        ///< after this time an unseen person has left where nothing hides it
+  int frames_to_believe = 4;  ///< a new person must be seen in this many of the last frames
 };
 
-/// Kalman filters of constant velocity; clusters are assigned to them all at once, by Mahalanobis
-/// distance. The shape of the body is wrong for longer than a frame: its share of the covariance
-/// does not fall with the number of frames (a considered bias: Schmidt 1966). One thread; no
-/// allocation per frame but for those of the assignment.
+/// Tracks by Kalman filters of constant velocity. Clusters are assigned to all filters together, by
+/// Mahalanobis distance. Errors by the body's shape last longer than a frame, so their share of the
+/// covariance does not fall with the number of frames (a considered bias: Schmidt 1966). One
+/// thread; no allocation per frame except in the assignment.
 class PeopleTracker {
  public:
   explicit PeopleTracker(const PeopleOptions& options = {});
-  /// A frame at `time_s`, later than the one before. The people who are believed in: those who are
-  /// seen, and those whom something nearer may hide.
+  /// Adds a frame at `time_s`, later than the one before. Returns the confirmed people who are
+  /// seen, or whom something nearer may hide.
   std::span<const Person> add(const SegmentedView& seen, double time_s);
 
  private:
@@ -60,11 +60,11 @@ class PeopleTracker {
     Eigen::Vector4d state = Eigen::Vector4d::Zero();  ///< x y, and their speeds
     Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
     double last_seen_s = 0;
-    std::optional<BodyWidth> width;  ///< where both sides of the trunk were seen
-    int widths = 0;                  ///< that are in its mean
+    std::optional<BodyWidth> width;  ///< set once both sides of the trunk were seen
+    int widths = 0;                  ///< number of values in the mean width
     int hits = 0, misses = 0;
     bool is_believed = false;
-    bool may_be_hidden = false;  ///< in this frame, which does not see it
+    bool may_be_hidden = false;  ///< something may hide it in this frame
   };
   void predict(Track& track, double step_s) const;
   void update(Track& track, const BodyPlace& place) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a virtual object can stand so that nobody walks through it.
+// Finds places for a virtual object where nobody walks through it.
 #include "extras/people/plan/placing.h"
 
 #include <algorithm>
@@ -45,8 +45,8 @@ bool is_seen(const Eigen::Vector3d& world_m, const RoomView& view) {
   return z <= 0 || static_cast<float>(p.z()) < z + kBehind_m;
 }
 
-/// Of the shadow's line on the floor, from the foot of the box to where the light over its top
-/// edge falls.
+/// Share on free floor of the shadow's line, which runs from the base of the box to where the light
+/// over its top edge meets the floor.
 double shadow_share(const FloorMap& map, const Footprint& box, const Eigen::Vector2d& at_m,
                     const Eigen::Vector3d& lamp_m) {
   if (lamp_m.z() <= box.height_m) return 0;
@@ -80,10 +80,10 @@ double nearest_path_m(std::span<const Eigen::Vector2d> paths_m, const Eigen::Vec
   return least_m;
 }
 
-/// Where no part of a box may be.
+/// Mask of the cells in which no part of a box may be.
 Image<std::uint8_t> blocked_by(const FloorMap& map, std::span<const Eigen::Vector2d> paths_m,
                                const PlacingOptions& options) {
-  // What is in a cell may lie half of one further than its middle, as may the box.
+  // Things in a cell, and the box, may lie half a cell farther than its middle.
   const auto reach = [&](double distance_m) {
     return distance_m / map.cell_m + std::numbers::sqrt2;
   };

@@ -17,7 +17,7 @@ namespace {
 
 using report::Canvas;
 using report::Point;
-/// Where a place of the floor is drawn; nullopt where it is not.
+/// Pixel of a place on the floor; nullopt outside the picture.
 using OnPicture = std::function<std::optional<Point>(const Eigen::Vector2d&)>;
 
 constexpr int kPlan_px = 900;  ///< its longer side, at least

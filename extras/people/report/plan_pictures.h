@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Paths of people as pictures: over the plan of the room, and in the camera's picture (Schiller et
-// al. 2010, figure 11).
+// Draws paths of people over the plan of the room, and in the camera's picture (Schiller et al.
+// 2010, figure 11).
 #pragma once
 
 #include <span>
@@ -16,19 +16,19 @@ struct PlanDrawing {
   const plan::FloorMap& map;
   std::span<const PersonPath> people;
   std::span<const plan::FreePlace> places;  ///< suggested
-  plan::Footprint box;                      ///< of the places
+  plan::Footprint box;                      ///< size of the object at these places
   double margin_m;                          ///< between objects and what stands in the room
-  geometry::Pose world_from_camera;         ///< of the first frame
+  geometry::Pose world_from_camera;         ///< pose of the first frame
   geometry::Pinhole view;
 };
 
-/// The room from above, x to the right and y up: free floor tinted, less within the margin; a path
-/// for each person, with number and height, a dot each second, dashes where it was hidden; the
-/// camera, the suggested places.
+/// Draws the room from above, x to the right and y up: free floor tinted, less within the margin; a
+/// path for each person, with number and height, a dot each second, dashes where the person was
+/// hidden; the camera and the suggested places.
 Image<Rgb8> draw_plan(const PlanDrawing& drawing);
-/// The same room with the time that people spent in each cell, red where it is longest.
+/// Draws the room from above with the time that people spent in each cell, red where it is longest.
 Image<Rgb8> draw_dwell(const PlanDrawing& drawing, const plan::DwellGrid& dwell);
-/// The same paths and places in a picture of the camera, of the size of the view.
+/// Draws paths and places into a picture of the camera, of the size of the view.
 Image<Rgb8> draw_in_picture(const PlanDrawing& drawing, ImageView<const Rgb8> picture);
 
 }  // namespace mixrig::session

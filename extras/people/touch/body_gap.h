@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How near the side of a body that nothing sees may be to an object.
+// Finds how near the unseen side of a body may be to an object.
 #pragma once
 
 #include <optional>
@@ -10,18 +10,19 @@
 
 namespace mixrig::touch {
 
-/// An upright cylinder for legs and trunk, around the axis that the tracker knows.
+/// Models legs and trunk as an upright cylinder around the axis that the tracker knows.
 struct BodyProxy {
-  static constexpr double kFoot_m = 0.1, kTop = 0.82;  ///< of it; the top is a share of the height
+  static constexpr double kFoot_m = 0.1,
+                          kTop = 0.82;  ///< lower end, and upper end as a share of the height
   static constexpr double kRadius_m = 0.15, kRadiusSigma_m = 0.04;
   Eigen::Vector2d on_floor_m = Eigen::Vector2d::Zero();
   double height_m = 0;  ///< of the person
-  double sigma_m = 0;   ///< of its side
+  double sigma_m = 0;   ///< standard deviation of the cylinder's side
 };
 BodyProxy proxy_of(const plan::Person& person);
 
-/// Of the points of the proxy that its own seen surface hides from the camera, the deepest in the
-/// object; none where no such point is near. Pure.
+/// Gap of the proxy's deepest point in the object, among the points that its own seen surface hides
+/// from the camera; nullopt where no such point is near. Pure.
 std::optional<Gap> body_gap(const BodyProxy& body, const Shape& shape,
                             const geometry::Pose& world_from_object,
                             const plan::SegmentedView& seen);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two things that touch and part, over time: gaps become events.
+// Turns gaps between two things over time into events.
 #pragma once
 
 #include <array>
@@ -13,11 +13,11 @@
 namespace mixrig::touch {
 
 enum class EventKind : std::uint8_t { kEnter, kStay, kLeave, kHit };
-/// What the object touches.
+/// Kind of thing that the object touches.
 enum class Against : std::uint8_t { kPerson, kObject, kRoom };
-/// What of the room.
+/// Part of the room that an object touches.
 enum class RoomPart : std::uint8_t { kAny, kFloor, kWall, kFurniture };
-/// What tells.
+/// Source of a gap's distance.
 enum class Evidence : std::uint8_t {
   kSurface,  ///< surface that was seen
   kProxy,    ///< the back of a body that nothing sees, as a cylinder
@@ -28,10 +28,10 @@ std::string_view name(Against against);
 std::string_view name(RoomPart part);
 std::string_view name(Evidence evidence);
 
-/// Between two things in one frame.
+/// Gap between two things in one frame.
 struct Gap {
   double m = 0;                                    ///< negative: the depth of penetration
-  double sigma_m = 0;                              ///< of it
+  double sigma_m = 0;                              ///< standard deviation of `m`
   Eigen::Vector3d at_m = Eigen::Vector3d::Zero();  ///< where they are nearest, world
   Evidence evidence = Evidence::kSurface;
 };
@@ -43,24 +43,24 @@ struct Event {
   int object = 0;  ///< number of the object
   int other = 0;   ///< id of the person, number of the other object, 0 for the room
   RoomPart part = RoomPart::kAny;
-  double time_s = 0;  ///< of what happened; it may have been told a frame later
+  double time_s = 0;  ///< when it happened; it may be reported a frame later
   Eigen::Vector3d at_m = Eigen::Vector3d::Zero();
-  double depth_m = 0;  ///< of penetration; of kLeave the largest that was
+  double depth_m = 0;  ///< depth of penetration; for kLeave the largest one
   double sigma_m = 0;
-  double speed_m_s = 0;  ///< at which the gap closed; of kEnter and kHit
+  double speed_m_s = 0;  ///< closing speed, for kEnter and kHit
 };
 
 struct ContactOptions {
-  double least_m = 0.005;   ///< penetration that counts; negative: being so near does
-  double sure_sigmas = 1;   ///< and in standard deviations
-  int frames_to_enter = 2;  ///< in a row in which they overlap, one of them by what counts
-  double leave_m = 0.02;    ///< gap that counts as apart, beside sure_sigmas
-  double leave_s = 0.12;    ///< for which things are apart
+  double least_m = 0.005;   ///< least penetration that counts; negative: a gap that counts
+  double sure_sigmas = 1;   ///< least penetration in standard deviations
+  int frames_to_enter = 2;  ///< frames of overlap in a row, in one of which the penetration counts
+  double leave_m = 0.02;    ///< gap that counts as apart, in addition to sure_sigmas
+  double leave_s = 0.12;    ///< time apart before kLeave
   double stay_s = 0.5;      ///< from one kStay to the next
   double hit_m_s = 0.5;     ///< least speed of a kHit
 };
 
-/// One pair. Allocates nothing beyond what `out` needs.
+/// Contact of one pair. Allocates nothing except for `out`.
 class Contact {
  public:
   Contact(Against against, int object, int other)
@@ -70,11 +70,11 @@ class Contact {
   int other() const { return other_; }
   bool is_in() const { return in_; }
 
-  /// The gap of a frame; none: they are far from each other. With `is_hidden` nothing is known of
-  /// this frame, and what was goes on.
+  /// Adds the gap of a frame; nullopt: the two are far from each other. With `is_hidden` nothing is
+  /// known about this frame, and the state stays.
   void add(const std::optional<Gap>& gap, bool is_hidden, double time_s,
            const ContactOptions& options, std::vector<Event>& out);
-  /// One of them is gone.
+  /// Ends the contact, since one of the two is gone.
   void end(double time_s, std::vector<Event>& out);
 
  private:
@@ -92,11 +92,11 @@ class Contact {
   int object_, other_;
   bool in_ = false;
   int touching_frames_ = 0;
-  bool counted_ = false;        ///< one of these frames did
-  Event first_;                 ///< while it is not believed
+  bool counted_ = false;        ///< the penetration counted in one of these frames
+  Event first_;                 ///< event that is not confirmed yet
   std::array<Past, 6> past_{};  ///< the newest first
-  std::size_t known_ = 0;       ///< of past_
-  Gap last_;                    ///< while they touch
+  std::size_t known_ = 0;       ///< number of known entries of past_
+  Gap last_;                    ///< last gap while they touch
   double deepest_m_ = 0, told_s_ = 0;
   std::optional<double> apart_since_s_;
 };

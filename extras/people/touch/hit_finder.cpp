@@ -22,7 +22,7 @@ void HitFinder::after_step(btDispatcher& dispatcher, double begin_s) {
     strike(*dispatcher.getManifoldByIndexInternal(i), begin_s);
 }
 
-/// Of a body at a place, before the step.
+/// Velocity of a body at a place before the step.
 btVector3 HitFinder::velocity_before(int number, const btVector3& at) const {
   if (number < kFirstObject) return {0, 0, 0};
   const Object& object = objects_[static_cast<std::size_t>(number - kFirstObject)];

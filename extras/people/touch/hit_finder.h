@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Impacts of bodies in a Bullet world, as events.
+// Finds impacts of bodies in a Bullet world, as events.
 #pragma once
 
 #include <span>
@@ -11,8 +11,8 @@
 
 namespace mixrig::touch {
 
-/// Bodies are told apart by their user index: a RoomPart, or kFirstObject and more of objects in
-/// the order of add(); others are left out.
+/// Identifies bodies by their user index: a RoomPart, or kFirstObject plus the object's index in
+/// the order of add(). Other bodies are ignored.
 class HitFinder {
  public:
   static constexpr int kFirstObject = 100;
@@ -21,9 +21,9 @@ class HitFinder {
 
   void add(const btRigidBody& object) { objects_.push_back({&object}); }
   void before_step();
-  /// `begin_s`: when the step began.
+  /// `begin_s`: time at the beginning of the step.
   void after_step(btDispatcher& dispatcher, double begin_s);
-  /// Since forget().
+  /// Impacts found since forget().
   std::span<const Event> found() const { return found_; }
   void forget() { found_.clear(); }
 
@@ -43,7 +43,7 @@ class HitFinder {
 
   std::vector<Object> objects_;
   std::vector<Event> found_;
-  std::vector<Struck> struck_;  ///< within kOneHit_s
+  std::vector<Struck> struck_;  ///< impacts within the last kOneHit_s
 };
 
 }  // namespace mixrig::touch

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a frame tells of people and virtual objects.
+// Data of one frame about people and virtual objects.
 #pragma once
 
 #include <span>
@@ -12,9 +12,9 @@ namespace mixrig::touch {
 
 struct Moment {
   plan::SegmentedView seen;
-  std::span<const plan::Person> people;               ///< with the surface of this frame
-  std::span<const geometry::Pose> world_from_object;  ///< one a shape; empty: none is shown
-  geometry::DepthNoise noise;                         ///< of a depth value
+  std::span<const plan::Person> people;               ///< people with their surface in this frame
+  std::span<const geometry::Pose> world_from_object;  ///< one a shape; empty: not shown
+  geometry::DepthNoise noise;                         ///< noise of a depth value
   double time_s = 0;
 };
 

@@ -129,7 +129,7 @@ Physics::Physics() : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.world.setGravity({0, 0, -kGravity_m_s2});
   s.solver.setRandSeed(0);
-  // What is pushed out of another thing gets no speed by that.
+  // Resolving an overlap adds no speed.
   s.world.getSolverInfo().m_splitImpulse = 1;
   s.world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;
   s.keep(std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0.0F), 0,
@@ -160,7 +160,7 @@ int Physics::add(const Shape& shape, const geometry::Pose& world_from_object, co
     object.body->setDamping(static_cast<float>(of.drag), static_cast<float>(of.drag));
     object.body->setRollingFriction(0.002F);
     object.body->setActivationState(DISABLE_DEACTIVATION);
-    // What moves faster than its own size in a step is swept.
+    // A body that moves farther than its size in a step is swept.
     object.body->setCcdMotionThreshold(0.25F * shape.box_m.sizes().minCoeff());
     object.body->setCcdSweptSphereRadius(0.2F * shape.box_m.sizes().minCoeff());
   }
@@ -196,7 +196,7 @@ void Physics::place(int object, const geometry::Pose& world_from_object) {
   s.poses[static_cast<std::size_t>(object)] = world_from_object;
 }
 
-/// What no side covers as runs of cells along x.
+/// Sets the sides as planes, and the map's other occupied cells as runs along x.
 void Physics::set_room(const plan::FloorMap& room, std::span<const RoomSide> sides) {
   State& s = *state_;
   const auto top = [&](int x, int y) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The surface of people as what pushes objects.
+// Converts the surface of people to moving balls that push objects.
 #pragma once
 
 #include <span>
@@ -9,16 +9,16 @@
 
 namespace mixrig::touch {
 
-/// A part of a person's surface, as a ball that moves.
+/// Ball that stands for a part of a person's surface.
 struct Pusher {
   static constexpr float kRadius_m = 0.05F;
   Eigen::Vector3f at_m = Eigen::Vector3f::Zero();  ///< its middle, world
   Eigen::Vector3f velocity_m_s = Eigen::Vector3f::Zero();
 };
 
-/// The surface of people near the objects, as balls in cells of a third of their width, whose
-/// velocity is that of the nearest cell of the frame before, along the motion (normal flow). One
-/// thread; no allocation once the buffers have grown.
+/// Makes balls from the surface of people near the objects, in cells of a third of a ball's width.
+/// A ball's velocity follows from the nearest cell of the frame before, along the motion (normal
+/// flow). One thread; no allocation once the buffers have grown.
 class PusherFinder {
  public:
   static constexpr double kReach_m = 0.6;  ///< from an object

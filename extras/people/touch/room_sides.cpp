@@ -21,7 +21,7 @@ constexpr double kFlat_m = 0.02;  ///< from the line
 constexpr double kHole_m = 0.2, kShortest_m = 0.25;
 constexpr int kRefits = 4;
 
-/// What a cell of the map holds of a side.
+/// Points of a side in one cell of the map.
 struct SideCell {
   Eigen::Vector2d at_m;
   double top_m = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Walls and sides of furniture as flat upright faces.
+// Finds walls and sides of furniture as flat upright faces.
 #pragma once
 
 #include <span>
@@ -11,15 +11,15 @@
 
 namespace mixrig::touch {
 
-/// An upright rectangle from the floor on.
+/// An upright rectangle that stands on the floor.
 struct RoomSide {
   Eigen::Vector2d from_m, to_m;  ///< on the floor, world
   Eigen::Vector2d normal;        ///< unit, towards the free floor
   double top_m = 0;
 };
 
-/// Lines through the points of upright surfaces, by growing runs of map cells that lie on one; at
-/// least 0.25 m long. What is round or small has none. Pure.
+/// Fits lines to the points of upright surfaces by growing runs of map cells that lie on one line;
+/// at least 0.25 m long. Round and small things give none. Pure.
 std::vector<RoomSide> find_sides(std::span<const plan::RoomPoint> points,
                                  const plan::FloorMap& map);
 

@@ -19,7 +19,7 @@ using Points = std::vector<Eigen::Vector3f>;
 constexpr float kWeld_m = 1e-4F;
 constexpr float kSamePlane = 1e-4F;
 
-/// Of the vertices, by welded place: the number of the part that each belongs to.
+/// Finds the connected part of each vertex; vertices at one place are welded.
 class Parts {
  public:
   explicit Parts(const Triangles& mesh) : parent_(mesh.positions_m.size()) {
@@ -47,7 +47,7 @@ class Parts {
   std::vector<std::uint32_t> parent_;
 };
 
-/// Those that are outermost in directions spread over the sphere (a Fibonacci lattice).
+/// Points that are outermost in directions spread over the sphere (a Fibonacci lattice).
 Points outermost(const Points& points) {
   if (points.size() <= kMostCorners) return points;
   std::vector<std::size_t> chosen;
@@ -90,7 +90,7 @@ Convex box_part(const Eigen::AlignedBox3f& box_m) {
   return part;
 }
 
-/// What is flat becomes its box, as thick as a shape has to be.
+/// Replaces a flat part by its box, with the least thickness of a part.
 Convex flat_part(const Points& points) {
   Eigen::AlignedBox3f box;
   for (const auto& p : points) box.extend(p);
@@ -111,8 +111,8 @@ float thickness_m(const Convex& part) {
   return least;
 }
 
-/// What a plane is farther from a point than another one changes within a cell by the difference of
-/// their normals times the way from the middle.
+/// Lists the planes of each cell. Within a cell, the difference of two planes' distances changes by
+/// the difference of their normals times the way from the cell's middle.
 PlaneGrid grid_of(const Convex& part) {
   constexpr float kRounding_m = 1e-5F;
   constexpr int kCells = PlaneGrid::kCells;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How near objects are to each other and to the room.
+// Measures gaps between objects, and between objects and the room.
 #pragma once
 
 #include <optional>
@@ -12,13 +12,14 @@
 
 namespace mixrig::touch {
 
-/// Between the nearest parts of two objects: GJK (Bullet); where they overlap, the least depth over
-/// the directions of their faces. None where their boxes are farther than kNear_m from each other.
+/// Gap between the nearest parts of two objects, by GJK (Bullet); where they overlap, the least
+/// depth over the directions of their faces. nullopt where their boxes are farther than kNear_m
+/// from each other.
 std::optional<Gap> shape_gap(const Shape& a, const geometry::Pose& world_from_a, const Shape& b,
                              const geometry::Pose& world_from_b);
 
-/// How deep points of the empty room lie in an object, by cells of 2 cm: the nearest 20 cm^2, of
-/// which each cell that holds a point is 4. None where there is less near it. Pure.
+/// Depth of the empty room's points in an object, from the deepest 20 cm^2; points are counted in
+/// cells of 2 cm, of 4 cm^2 each. nullopt where there is less surface near it. Pure.
 std::optional<Gap> room_gap(const Shape& shape, const geometry::Pose& world_from_object,
                             std::span<const plan::RoomPoint> room);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How near the seen surface of people is to an object.
+// Measures how near the seen surface of people is to an object.
 #pragma once
 
 #include <array>
@@ -15,13 +15,13 @@
 
 namespace mixrig::touch {
 
-/// The pixels that show the surroundings of an object are points of people. A point counts where
-/// the pixels beside it show the same surface, so that depth between a person and the room does
-/// not. The gap is that of the nearest patch that holds 8 cm^2, each pixel as large as at its
-/// depth. One thread; no allocation once the buffers have grown.
+/// Takes the pixels around an object as points of people. A point counts where neighbouring pixels
+/// show the same surface, which excludes depth between a person and the room. The gap is that of
+/// the nearest patch of 8 cm^2, each pixel counted at its size at its depth. One thread; no
+/// allocation once the buffers have grown.
 class SurfaceGaps {
  public:
-  /// For each person of the moment; none: nothing of it is near.
+  /// Gap of each person of the moment; nullopt: no part of the person is near.
   std::span<const std::optional<Gap>> measure(const Shape& shape,
                                               const geometry::Pose& world_from_object,
                                               const Moment& moment);
@@ -34,7 +34,7 @@ class SurfaceGaps {
     float area_m2 = 0, distance_m = 0, facing = 0;  ///< cosine between ray and nearest face
     int patch = 0, who = 0;
   };
-  /// What one person has in one place.
+  /// Surface of one person in one cell.
   struct Patch {
     float area_m2 = 0, facing = 0;
     Eigen::Vector3f sum_m = Eigen::Vector3f::Zero();  ///< places times areas
@@ -58,7 +58,7 @@ class SurfaceGaps {
   Eigen::Vector3i patch_cells_ = Eigen::Vector3i::Zero();
   float patch_m_ = 0;
   std::vector<std::optional<Gap>> gaps_;
-  std::vector<signed char> owner_;  ///< of the cells of a plan around the object
+  std::vector<signed char> owner_;  ///< person of each cell in a plan around the object
   Eigen::Vector2f corner_m_ = Eigen::Vector2f::Zero();
   int columns_ = 0, rows_ = 0;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who and what touches virtual objects, frame by frame.
+// Detects what touches virtual objects, frame by frame.
 #pragma once
 
 #include <span>
@@ -24,18 +24,18 @@ class TouchWatch {
 
   static constexpr double kYields_m = 0.03;
 
-  /// An object that gives way is pushed off before it is entered: being kYields_m near touches it.
-  /// `gives_way`: as many as shapes, or none.
+  /// `gives_way`: one for each shape, or empty. An object that gives way is pushed off before
+  /// anything enters it, so being kYields_m near counts as touching it.
   explicit TouchWatch(std::vector<Shape> shapes, const ContactOptions& options = {},
                       std::vector<bool> gives_way = {});
   const std::vector<Shape>& shapes() const { return shapes_; }
-  /// The points of the empty room; before the first frame.
+  /// Sets the points of the empty room; before the first frame.
   void set_room(std::vector<plan::RoomPoint> room) { room_ = std::move(room); }
 
-  /// What happened in the frame, valid until the next. Precondition: as many poses as shapes, or
-  /// none, in which all contacts end; time grows.
+  /// Events of the frame, valid until the next. Precondition: as many poses as shapes, or none, in
+  /// which case all contacts end; time increases.
   std::span<const Event> add(const Moment& moment);
-  /// All contacts end.
+  /// Ends all contacts.
   std::span<const Event> finish(double time_s);
 
  private:
@@ -46,7 +46,7 @@ class TouchWatch {
   void end_of_gone(const Moment& moment);
 
   std::vector<Shape> shapes_;
-  ContactOptions options_, still_, yields_;  ///< still_: of things that are measured once
+  ContactOptions options_, still_, yields_;  ///< still_: for pairs that are measured only once
   std::vector<bool> gives_way_;
   std::vector<plan::RoomPoint> room_;
   SurfaceGaps surface_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells other programs what happens: events and places of people as JSON and OSC, in UDP datagrams.
+// Sends events and positions of people to other programs as JSON and OSC, in UDP datagrams.
 #pragma once
 
 #include <cstdint>
@@ -14,26 +14,26 @@
 
 namespace mixrig::session {
 
-/// One line, as in events.jsonl; docs/reference/events.md has its keys. `frame`: number in which it
-/// is told.
+/// Event as one line of events.jsonl; docs/reference/events.md has its keys. `frame`: number of the
+/// frame that reports it.
 std::string event_json(const touch::Event& event, const scene::Scene& scene, int frame);
-/// An OSC message of the same.
+/// Event as an OSC message.
 std::string event_osc(const touch::Event& event, const scene::Scene& scene);
 
-/// Datagrams.
+/// Numbers of datagrams.
 struct SentCounts {
   std::uint64_t sent = 0, dropped = 0;
 };
 
-/// Never waits for a receiver. One thread.
+/// Sends to the receivers of a scene; never waits for them. One thread.
 class EventOut {
  public:
   /// `scene` outlives it. Errors: those of DatagramSender::open(), with file and key.
   static Result<EventOut> open(const scene::Scene& scene);
 
-  /// `json`: by event_json().
+  /// Sends an event. `json`: from event_json().
   void tell(const touch::Event& event, const std::string& json);
-  /// Where the scene wants them, the people of a frame.
+  /// Sends the people of a frame, if the scene asks for them.
   void tell(std::span<const plan::Person> people, int frame, double time_s);
   SentCounts json_counts() const { return counts(json_); }
   SentCounts osc_counts() const { return counts(osc_); }

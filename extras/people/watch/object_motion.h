@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Objects of a scene that move by physics, between the thread that composites and the one that
-// follows people.
+// Shares the objects that move by physics between the compositing thread and the thread that tracks
+// people.
 #pragma once
 
 #include <memory>
@@ -20,21 +20,21 @@ class ObjectMotion final : public ObjectMover {
   /// Null where no object of the scene has physics. `session` outlives it.
   static std::unique_ptr<ObjectMotion> create(const Session& session);
 
-  /// The first call takes what stands in the room.
+  /// Advances the physics; the first call reads the room.
   std::span<const geometry::Pose> advance(double time_s,
                                           const geometry::Pose& world_from_camera) override;
   void place(std::size_t object, const geometry::Pose& world_from_object) override;
-  /// Of advance(), a frame. For the compositing thread, or after the run.
+  /// Time of advance() for each frame. For the compositing thread, or after the run.
   const measure::QuantileSketch& advance_ms() const { return advance_ms_; }
   bool moves(std::size_t object) const { return moves_[object]; }
-  /// For the thread that follows people: hits until that time that were not taken yet.
+  /// For the thread that tracks people: moves out the hits up to that time that were not taken yet.
   void take_hits(double time_s, std::vector<touch::Event>& out);
-  /// For the same thread: the surface of people near the objects in a frame.
+  /// For the thread that tracks people: sets the surface of people near the objects in a frame.
   void push(std::span<const Eigen::Vector3f> surface_m, const Eigen::Vector3d& eye_m,
             double time_s);
 
  private:
-  static constexpr std::size_t kMostHits = 1024;  ///< that nobody took; later ones are lost
+  static constexpr std::size_t kMostHits = 1024;  ///< hits waiting to be taken; later ones are lost
   explicit ObjectMotion(const Session& session);
 
   void keep_hits();
@@ -45,13 +45,13 @@ class ObjectMotion final : public ObjectMover {
   SystemClock clock_;
   measure::QuantileSketch advance_ms_;
   touch::Physics physics_;
-  std::vector<int> number_;  ///< of the objects in physics_; -1: it has no shape
-  std::vector<int> object_;  ///< the number in the scene of each in physics_
+  std::vector<int> number_;  ///< number in physics_ of each scene object; -1: no shape
+  std::vector<int> object_;  ///< number in the scene of each object in physics_
   std::vector<bool> moves_;
   std::vector<geometry::Pose> poses_;
   bool has_room_ = false;
   touch::PusherFinder finder_;
-  std::vector<touch::Pusher> now_;  ///< of the compositing thread
+  std::vector<touch::Pusher> now_;  ///< used by the compositing thread
   std::mutex mutex_;
   std::vector<touch::Pusher> next_;  ///< guarded by mutex_
   bool has_next_ = false;            ///< guarded by mutex_

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// [people], [events] and physics of a scene in a run.
+// Adds [people], [events] and physics of a scene to a run.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@
 
 namespace mixrig::session {
 
-/// People are followed where the scene asks for it, for events or for objects that move by physics.
+/// Tracks people where the scene asks for it, has events, or has objects that move by physics.
 class PeopleExtra final : public RunExtra {
  public:
   /// Errors: those of PeopleSink and TouchStage.

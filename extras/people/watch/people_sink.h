@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Follows the people of a run on the floor, and keeps their paths.
+// Tracks the people of a run on the floor, and keeps their paths.
 #pragma once
 
 #include <cstdint>
@@ -40,33 +40,34 @@ struct PersonPath {
 };
 
 struct PeopleReport {
-  bool keeps_places = false;  ///< of the paths: wanted; memory grows with them
+  bool keeps_places = false;  ///< keeps the positions of the paths; memory grows with them
   std::uint64_t frames = 0;
   std::size_t most_at_once = 0;
   std::vector<PersonPath> people;  ///< in the order of their ids
   plan::DwellMap dwell;
   measure::QuantileSketch track_ms;
-  std::optional<measure::PeopleErrors> error;  ///< where the true places are known
-  std::optional<geometry::Pose> first_pose;    ///< of the camera
+  std::optional<measure::PeopleErrors> error;  ///< absent unless true positions are known
+  std::optional<geometry::Pose> first_pose;    ///< pose of the camera
   geometry::Pinhole view;
   Image<Rgb8> first_picture;
 };
-/// Without the places of the paths.
+/// Report without the positions of the paths.
 nlohmann::json to_json(const PeopleReport& report);
 
-/// Frames without a pose of the camera are left out.
+/// Tracks people in each frame; frames without a camera pose are skipped.
 class PeopleSink final : public output::CompositeSink {
  public:
   static constexpr double kPathStep_m = 0.02;
-  static constexpr double kLongestStep_s = 0.5;  ///< of a frame, in the time people dwell
+  static constexpr double kLongestStep_s = 0.5;  ///< longer gaps between frames do not count
   static constexpr const char* kTable = "people.csv";
 
-  /// Writes kTable into `folder`, which must exist: a row for each person and frame; without a
-  /// folder nothing. `report` is complete after finish(), and must outlive the sink. Errors: kIo.
+  /// Makes a sink that writes kTable into `folder`, which must exist, with a row for each person
+  /// and frame; without a folder it writes nothing. `report` is complete after finish(), and must
+  /// outlive the sink. Errors: kIo.
   static Result<std::unique_ptr<PeopleSink>> create(
       const std::optional<std::filesystem::path>& folder, const plan::PeopleOptions& options,
       PeopleReport& report);
-  /// What they touch is watched too.
+  /// Also detects what people touch.
   void watch_touch(std::unique_ptr<TouchStage> touch);
   ~PeopleSink() override;
 
@@ -90,7 +91,7 @@ class PeopleSink final : public output::CompositeSink {
   plan::PeopleTracker tracker_;
   SystemClock clock_;
   FrameTimes times_;
-  std::optional<double> dwelt_s_;      ///< up to this time
+  std::optional<double> dwelt_s_;      ///< dwelling is counted up to this time
   std::unique_ptr<TouchStage> touch_;  ///< may be null
   std::map<int, PersonPath> paths_;
   std::vector<measure::PersonThere> there_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The empty room of a session as a plan needs it: points, and what hides what from the camera.
+// Points of a session's empty room, and what they hide from the camera.
 #pragma once
 
 #include <vector>
@@ -10,12 +10,13 @@
 
 namespace mixrig::session {
 
-/// Of the session's background, which is ready; of one without a place, seen from
-/// `world_from_camera`.
+/// Points of the session's background, which must be ready. A background without a pose counts as
+/// seen from `world_from_camera`.
 std::vector<plan::RoomPoint> room_points(const Session& session,
                                          const geometry::Pose& world_from_camera);
 
-/// The room's depth in a small picture of the camera; borrows `depth_m`, which it fills.
+/// Depth of the room in a small picture of the camera. Fills `depth_m`, which must outlive the
+/// result.
 plan::RoomView view_of_room(const std::vector<plan::RoomPoint>& points,
                             const geometry::Pinhole& view, const geometry::Pose& world_from_camera,
                             Image<float>& depth_m);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What people and objects of a run touch: events to a file, to a receiver, and into the report.
+// Reports what people and objects of a run touch: to a file, to receivers, and in the run's report.
 #pragma once
 
 #include <array>
@@ -32,25 +32,26 @@ struct TouchReport {
 };
 nlohmann::json to_json(const TouchReport& report);
 
-/// The objects of the scene, without those of a set, as shapes in object axes.
+/// Shapes of the scene's objects, without those of a set, in object axes.
 std::vector<touch::Shape> shapes_of(const scene::Scene& scene);
 
-/// A step of the thread that follows people.
+/// Detects touching; a step of the thread that tracks people.
 class TouchStage {
  public:
   static constexpr const char* kFile = "events.jsonl";
 
-  /// Writes kFile into `folder`, which must exist, one event a line; without a folder none.
-  /// `session` is ready to composite before the first frame; it, `report` and `motion`, which may
-  /// be null, outlive the stage. Errors: kIo; those of EventOut::open().
+  /// Makes a stage that writes kFile into `folder`, which must exist, one event a line; without a
+  /// folder it writes no file. `session` must be ready to composite before the first frame; it,
+  /// `report` and `motion`, which may be null, outlive the stage. Errors: kIo; those of
+  /// EventOut::open().
   static Result<std::unique_ptr<TouchStage>> create(
       const Session& session, const std::optional<std::filesystem::path>& folder,
       ObjectMotion* motion, TouchReport& report);
 
-  /// A frame with a pose. Errors: kIo.
+  /// Processes a frame with a pose. Errors: kIo.
   Result<void> see(const output::Composite& composite, std::span<const plan::Person> people,
                    double time_s);
-  /// Whoever touches something leaves it. Errors: kIo.
+  /// Ends all contacts, with events. Errors: kIo.
   Result<void> finish();
 
  private:
@@ -67,7 +68,7 @@ class TouchStage {
   std::ofstream lines_;
   std::vector<geometry::Pose> poses_;  ///< of the objects in this frame
   std::vector<Eigen::Vector3f> near_m_;
-  std::vector<touch::Event> hits_;  ///< of objects that move, in this frame
+  std::vector<touch::Event> hits_;  ///< hits of moving objects in this frame
   int frame_ = 0;
   double time_s_ = 0;
   bool has_room_ = false;

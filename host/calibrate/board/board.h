@@ -38,7 +38,7 @@ std::string board_text(const BoardSpec& board);
 std::vector<Eigen::Vector3d> board_points_m(const BoardSpec& board);
 /// Distance between neighbouring points: the square; the smaller of tag and gap for an AprilGrid.
 double pitch_m(const BoardSpec& board);
-/// Radius about a point that holds no other edge than those of its corner.
+/// Radius (m) of the area around a point that no edges cross but those of its own corner.
 double clear_radius_m(const BoardSpec& board);
 
 }  // namespace mixrig::calibration

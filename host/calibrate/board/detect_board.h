@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finding a calibration board in a picture.
+// Finds a calibration board in a picture.
 #pragma once
 
 #include <optional>
@@ -15,11 +15,11 @@ namespace mixrig::calibration {
 
 /// Points of a board in one picture, by growing id.
 struct BoardView {
-  std::vector<int> ids;             ///< into board_points_m()
+  std::vector<int> ids;             ///< the points' ids: indices of board_points_m()
   std::vector<Eigen::Vector2d> px;  ///< (0, 0) is the centre of the top-left pixel
   double blur_px = 0;               ///< median standard deviation of the corners' blur
   double contrast = 0;              ///< median, grey levels from black to white
-  double sigma_px = 0;              ///< median sigma of the corner fits
+  double sigma_px = 0;              ///< median of CornerFit::sigma_px
 };
 
 /// How a corner is refined to sub-pixel accuracy.
@@ -34,24 +34,26 @@ enum class Search {
   kQuick      ///< the picture as it is
 };
 
-/// The board, or nullopt where it is not seen. A checkerboard must be seen completely; ChArUco
+/// Finds the board; nullopt where it is not seen. A checkerboard must be seen completely; ChArUco
 /// boards and AprilGrids may be seen in part. Corners that cannot be refined are left out. The
 /// order of a checkerboard's corners is the same from every side if one of columns and rows is odd
 /// and the other even (the square between corners 0 and 1 is dark); else it depends on the picture.
-/// Thread-safe. Errors: kUsage for a dictionary that is not known.
+/// Thread-safe. Errors: kUsage for an unknown dictionary.
 Result<std::optional<BoardView>> detect_board(ImageView<const std::uint8_t> image,
                                               const BoardSpec& board,
                                               Refinement refinement = Refinement::kModel,
                                               Search search = Search::kThorough);
 
-/// The corners of `known` in another picture in which the board lies within a quarter of a square
-/// of the same place, refined anew; those that are not found are left out. Thread-safe.
+/// Finds the corners of `known` again in another picture, in which the board lies within a quarter
+/// of a square of the same place, and refines them anew. Corners that are not found are left out.
+/// Thread-safe.
 BoardView find_again(ImageView<const std::uint8_t> image, const BoardSpec& board,
                      const BoardView& known);
 
-/// Grey of a colour picture (Rec. 709 weights on the encoded values).
+/// Converts a colour picture to grey: Rec. 709 weights on the encoded values.
 Image<std::uint8_t> gray_of(ImageView<const Rgb8> image);
-/// 8 bits of a picture of 16, stretched so that 0.5 % is black and 0.5 % white.
+/// Reduces a 16-bit picture to 8 bits, stretched so that 0.5 % of the pixels are black and 0.5 %
+/// white.
 Image<std::uint8_t> gray_of(ImageView<const std::uint16_t> image);
 
 }  // namespace mixrig::calibration

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sub-pixel position of a corner where two black and two white squares meet.
+// Sub-pixel position of a corner where two black and two white squares meet.
 #pragma once
 
 #include <optional>
@@ -19,9 +19,9 @@ namespace mixrig::calibration {
 struct CornerFit {
   Eigen::Vector2d px;
   double blur_px = 0;   ///< s: a standard deviation, the pixel's own area (0.29) included
-  double contrast = 0;  ///< 2 |g|, grey levels from black to white
-  double residual = 0;  ///< root mean square, share of the contrast
-  double sigma_px = 0;  ///< of the corner along its worse direction, from the residuals
+  double contrast = 0;  ///< 2 |g|: grey levels between black and white
+  double residual = 0;  ///< root mean square of the fit, as a share of the contrast
+  double sigma_px = 0;  ///< standard deviation along the worse direction, from the residuals
 };
 
 /// `edge_a`, `edge_b`: directions of the two edges in the picture (any length), within some 20

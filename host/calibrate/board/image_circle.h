@@ -12,12 +12,12 @@
 
 namespace mixrig::calibration {
 
-/// Where the image of a lens ends in the picture: outside it no light reaches the sensor.
+/// Circle that bounds the image of a lens: outside it no light reaches the sensor.
 struct ImageCircle {
   Eigen::Vector2d center_px = Eigen::Vector2d::Zero();
   double radius_px = 0;
-  double residual_px = 0;  ///< root mean square distance of the rim's points from it; 0 if given
-  double seen = 0;         ///< share of the rim inside the picture where it was found; 0 if given
+  double residual_px = 0;  ///< root mean square distance of the rim's points; 0 if given
+  double seen = 0;         ///< share of the rim inside the picture that was found; 0 if given
 
   bool contains(const Eigen::Vector2d& px) const { return (px - center_px).norm() <= radius_px; }
 };
@@ -34,23 +34,24 @@ class BrightestPicture {
   Image<std::uint8_t> image_;
 };
 
-/// The circle on which all light ends, or nullopt where there is none: a picture that is filled, a
-/// dark room, a picture that is black. It is taken for an image circle where
+/// Finds the circle outside which the picture is dark; nullopt where there is none, as in a picture
+/// filled by its image, a dark room or a black picture. It counts as an image circle where
 ///  - the steps from dark to light, met on the way in from the picture's sides, lie on one circle,
 ///    on 60 % of its length inside the picture and on 60 degrees of it or more (borders of light in
 ///    a room lie on no circle about most of the picture);
 ///  - outside it, on 1 % of the picture or more, 99 % of the pixels are darker than the rim's step
 ///    (in a dark room lamps, windows and noise of lit surfaces lie outside any circle too);
 ///  - it holds the middle of the picture, and most pixels along its inner side are lit.
-/// Its radius is that where the light begins, half way up the step. Pure.
+/// The radius is that at which the light begins: half way up the step. Pure.
 std::optional<ImageCircle> find_image_circle(ImageView<const std::uint8_t> brightest);
 
-/// The smallest angle from the axis on the circle's rim inside the picture, so that every ray out
-/// to it has an image; nullopt where all of the rim lies outside. `lens`: a fisheye without a
-/// largest angle. Errors: kData where it folds before, folds_in_circle().
+/// Smallest angle from the axis (rad) on the part of the circle's rim that lies inside the picture,
+/// so that every ray out to it has an image. nullopt where all of the rim lies outside. `lens`: a
+/// fisheye without a largest angle. Errors: kData, by folds_in_circle(), where the lens folds
+/// inside the circle.
 Result<std::optional<double>> rim_angle_rad(const geometry::AnyCamera& lens,
                                             const ImageCircle& circle);
-/// Says so in a line for the user. `lens`: a fisheye.
+/// Error line for the user: a fisheye `lens` folds inside its image circle.
 Error folds_in_circle(const geometry::AnyCamera& lens, const ImageCircle& circle);
 
 }  // namespace mixrig::calibration

@@ -19,19 +19,19 @@ PoseVector vector_of(const geometry::Pose& pose);
 struct BundleView {
   std::vector<Eigen::Vector3d> points_m;  ///< on the board
   std::vector<Eigen::Vector2d> px;
-  std::vector<char> used;  ///< 0 for a point that is left out
+  std::vector<char> used;  ///< 1 for each point that takes part, 0 for one that is left out
   PoseVector camera_from_board;
 };
 
 struct Bundle {
   geometry::LensKind kind = geometry::LensKind::kPinhole;
   Eigen::VectorXd intrinsics;
-  std::vector<int> free;  ///< indices of the intrinsics that are solved for; none: poses alone
+  std::vector<int> free;  ///< indices of the intrinsics to solve for; empty: poses alone
   std::vector<BundleView> views;
 };
 
-/// How far a solution goes: to the last digit, or until a step changes the squares by less than
-/// 1e-4 of them, which tells which of two cameras fits a view.
+/// When solve() stops: kFull at full precision; kRough once a step changes the sum of squares by
+/// less than 1e-4 of it, enough to find which of two cameras fits a view.
 enum class Precision { kFull, kRough };
 
 /// Solves in place for the free intrinsics and every pose. Residuals beyond `huber_px` count
@@ -42,7 +42,7 @@ bool solve(Bundle& bundle, double huber_px, Precision precision = Precision::kFu
 std::optional<Eigen::Vector2d> residual(const Bundle& bundle, const BundleView& view,
                                         std::size_t i);
 
-/// Sums over the points in use.
+/// Sum of squared residuals (px^2) over the points in use, and their number.
 struct Misfit {
   double squares = 0;
   int points = 0;
@@ -51,10 +51,11 @@ struct Misfit {
 Misfit misfit(const Bundle& bundle, const BundleView& view);
 Misfit misfit(const Bundle& bundle);
 
-/// J^T J of the points in use, for noise of 1 px: the free intrinsics, then six a view.
+/// J^T J of the points in use, for noise of 1 px. Columns: the free intrinsics, then six for each
+/// view.
 Eigen::MatrixXd information(const Bundle& bundle);
 
-/// d (R(w) p + t) / d (w, t) at a pose.
+/// Derivative of R(w) p + t by (w, t) at a pose.
 Eigen::Matrix<double, 3, 6> pose_jacobian(const PoseVector& pose, const Eigen::Vector3d& p);
 
 }  // namespace mixrig::calibration

@@ -25,8 +25,8 @@ struct IntrinsicsOptions {
   /// A pinhole chosen by its number may fold within the picture: see validate().
   int lens_terms = -1;
   bool hold_center = false;  ///< keep the principal point in the middle of the picture
-  /// Of a fisheye: where its image ends. Points beyond it do not count, and the camera's largest
-  /// angle is that of its rim.
+  /// Image circle of a fisheye. Points beyond it are left out, and the camera's largest angle
+  /// becomes the angle of its rim.
   std::optional<ImageCircle> circle;
 };
 
@@ -34,7 +34,7 @@ struct IntrinsicsOptions {
 struct ViewFit {
   std::string name;
   bool used = false;
-  std::string why_not;  ///< one line, where it is not used
+  std::string why_not;  ///< the reason in one line where it is not used
   double rms_px = 0;    ///< root mean square distance, over the points in use
   int points = 0, points_out = 0;
   geometry::Pose camera_from_board;
@@ -45,26 +45,27 @@ struct Intrinsics {
   geometry::AnyCamera camera;
   Eigen::MatrixXd covariance;  ///< of geometry::parameters_of(camera); zero rows where held
   int lens_terms = 0;
-  double rms_px = 0;       ///< over the points in use
+  double rms_px = 0;       ///< root mean square residual of the points in use
   double sigma_px = 0;     ///< noise of one coordinate, from the residuals
   double held_out_px = 0;  ///< root mean square over views left out of the fit (5 folds); 0 where
                            ///< there are too few views to leave any out
   int points = 0, points_out = 0;
-  int points_beyond = 0;              ///< beyond the image circle, not counted in points_out
-  double point_angle_rad = 0;         ///< largest angle from the axis of a point in use
-  bool ends_at_points = false;        ///< the lens folds inside the picture: its largest angle is
-                                      ///< kBeyondPoints_rad (lens_domain.h) beyond point_angle_rad
-  std::optional<ImageCircle> circle;  ///< as given
-  std::vector<ViewFit> views;         ///< all that were given, in their order
-  Bundle bundle;                      ///< of the views in use
+  int points_beyond = 0;        ///< points beyond the image circle; points_out does not count them
+  double point_angle_rad = 0;   ///< largest angle from the axis of a point in use
+  bool ends_at_points = false;  ///< the lens folds inside the picture: its largest angle is
+                                ///< kBeyondPoints_rad (lens_domain.h) beyond point_angle_rad
+  std::optional<ImageCircle> circle;  ///< IntrinsicsOptions::circle
+  std::vector<ViewFit> views;         ///< results of all given views, in their order
+  Bundle bundle;                      ///< the solved views in use
 };
 
-/// Robust least squares: starts from a search over focal lengths, leaves out points beyond five
-/// sigma and views far worse than the others or blurred, and takes sigma from what remains.
-/// Errors: kData where the views cannot carry the parameters: too few (under three), all alike, a
-/// board that is not as stated, pictures of two cameras; the line says which and what to do. Views
-/// of two cameras are refused where each group by itself fits them at least 1.25 times better than
-/// one camera does (three views or more a group); fewer foreign views are left out.
+/// Solves by robust least squares: starts from a search over focal lengths, leaves out points
+/// beyond five sigma, blurred views and views far worse than the others, and estimates sigma from
+/// what remains. Errors: kData where the views cannot determine the parameters: fewer than three
+/// views, all alike, a board that is not as stated, pictures of two cameras; the line names the
+/// reason and what to do. Views of two cameras are refused where each group by itself fits them at
+/// least 1.25 times better than one camera does (three views or more a group); fewer foreign views
+/// are left out.
 ///
 /// A fisheye that folds inside its image circle is refused. Without a circle the whole picture is
 /// image, and a lens that folds inside it is only taken where there is no other: then its largest
@@ -73,7 +74,8 @@ Result<Intrinsics> solve_intrinsics(const BoardSpec& board, Size size_px,
                                     const std::vector<ObservedView>& views,
                                     const IntrinsicsOptions& options);
 
-/// Poses alone are fitted to these views: the root mean square distance under a given camera.
+/// Root mean square residual (px) of the views under a given camera, with only their poses fitted;
+/// infinite where the fit fails.
 double pose_only_rms_px(const geometry::AnyCamera& camera, const BoardSpec& board,
                         const std::vector<ObservedView>& views);
 

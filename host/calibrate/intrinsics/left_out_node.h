@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How well a table of a lens that zooms predicts a setting that was left out of it.
+// Error with which the table of a zooming lens predicts a setting that was left out of it.
 #pragma once
 
 #include <optional>
@@ -15,13 +15,13 @@ namespace mixrig::calibration {
 struct LeftOutNode {
   geometry::LensEncoders at;
   double rms_px = 0, most_px = 0;
-  double focal_pct = 0;  ///< of the predicted fx, less the node's
+  double focal_pct = 0;  ///< predicted fx less the node's, in percent
 };
 
-/// Of each node that lies between others: along zoom where it can be left out of its row of zooms,
-/// else along focus. A node at a border cannot be predicted without going beyond the table, and is
-/// not among them. The entrance pupil is not judged: a calibration of one setting does not see it.
-/// Errors: those of LensTable::make.
+/// Predicts each node that lies between others: along zoom where it can be left out of its row of
+/// zooms, else along focus. Nodes at a border of the table are skipped, since they cannot be
+/// predicted by interpolation. The entrance pupil is not judged: a calibration of one setting does
+/// not determine it. Errors: those of LensTable::make.
 Result<std::vector<LeftOutNode>> leave_one_out(const geometry::LensTable& table);
 
 }  // namespace mixrig::calibration

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Out to which angle a solved lens is used. Private to this module.
+// The angle out to which a solved lens is valid. Private to this module.
 #pragma once
 
 #include <optional>
@@ -10,22 +10,23 @@
 
 namespace mixrig::calibration {
 
-/// How far beyond the outermost point in use a lens without an image circle is used, where it folds
-/// inside the picture: about one square of a board, which the pictures show beyond its corners.
+/// Angle beyond the outermost point in use at which a lens without an image circle ends, if it
+/// folds inside the picture. It is about one square of a board, which the pictures show beyond its
+/// corners.
 inline constexpr double kBeyondPoints_rad = 0.05;
 
 /// Largest angle from the axis of a point in use.
 double largest_point_angle_rad(const Bundle& bundle);
 
-/// The camera of a solved bundle that is valid where its picture has an image. Pinholes, and
-/// fisheyes without a circle: in the whole picture (geometry::validate). With a circle: inside it;
-/// its largest angle is the smallest angle on the rim inside the picture, so that every ray has an
-/// image. Errors: kData where the lens folds there.
+/// Camera of a solved bundle, valid wherever its picture has an image. Pinholes and fisheyes
+/// without a circle must be valid in the whole picture (geometry::validate). With a circle the lens
+/// must be valid inside it, and its largest angle is the smallest angle on the rim inside the
+/// picture, so that every ray has an image. Errors: kData where the lens folds there.
 Result<geometry::AnyCamera> camera_in_image(const Bundle& bundle, Size size_px,
                                             const std::optional<ImageCircle>& circle);
 
-/// A fisheye that is valid out to kBeyondPoints_rad beyond its outermost point, which is its
-/// largest angle. Errors: kData where it folds before.
+/// Fisheye whose largest angle is kBeyondPoints_rad beyond its outermost point. Errors: kData where
+/// it folds within that angle.
 Result<geometry::AnyCamera> camera_near_points(const Bundle& bundle, Size size_px);
 
 }  // namespace mixrig::calibration

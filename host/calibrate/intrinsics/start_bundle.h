@@ -12,9 +12,9 @@ namespace mixrig::calibration {
 /// its root mean square distance in px; nullopt where the points do not determine it.
 std::optional<PoseVector> pose_from_rays(const geometry::AnyCamera& camera, const BundleView& view);
 
-/// A camera without distortion, its centre in the middle of the picture, with the focal length of
-/// the least median error over the views, and the poses for it. False where no focal length gives
-/// poses.
+/// Fills `bundle` with a camera without distortion, its centre in the middle of the picture and the
+/// focal length of the least median error over the views, and with the views' poses for it. False
+/// where no focal length gives poses.
 bool start(Bundle& bundle, Size size_px);
 
 }  // namespace mixrig::calibration

@@ -11,14 +11,15 @@ namespace mixrig::calibration {
 
 /// Two groups of views, each with a camera of its own.
 struct TwoCameras {
-  std::vector<char> second;  ///< a view: 1 if it is of the second group
+  std::vector<char> second;  ///< 1 for each view of the second group, else 0
   double sigma_px = 0;       ///< noise of one coordinate by the residuals of both groups
-  double own_px = 0;         ///< root mean square distance under the own camera
-  double other_px = 0;       ///< under the other group's, poses fitted anew
+  double own_px = 0;    ///< root mean square residual of each view under its own group's camera
+  double other_px = 0;  ///< the residual under the other group's camera, poses fitted anew
 };
 
-/// The best partition found into two groups of kFewestViews views or more (k-means with cameras for
-/// means, from a few starts); nullopt where none is found. `solved` by one camera.
+/// Finds the best partition of the views into two groups of kFewestViews views or more, by k-means
+/// with cameras as means, from a few starts. nullopt where none is found. `solved`: the bundle of
+/// all views with one camera.
 std::optional<TwoCameras> split_in_two(const Bundle& solved);
 
 /// Whether the split explains the views so much better than one camera with residuals of `sigma_px`

@@ -19,21 +19,21 @@ struct UncertaintyMap {
   std::vector<double> sigma_px;  ///< row by row
   double median_px = 0;
   double rim_px = 0;    ///< the worst at the largest angle inside the picture; 0 where it has none
-  double worst_px = 0;  ///< of the cells and the rim
+  double worst_px = 0;  ///< largest sigma of the cells and the rim
 };
 UncertaintyMap projection_uncertainty(const Intrinsics& intrinsics, int columns, int rows);
 
 /// How many points of the views in use lie in each of columns x rows cells.
 std::vector<int> coverage(const Intrinsics& intrinsics, int columns, int rows);
 
-/// One more view, and the mean variance of projection that it would give.
+/// Pose for one more view of the board, and the uncertainty of projection before and after it.
 struct Advice {
   std::string where;  ///< "in the top left of the picture, tilted by 35 degrees about ..."
   geometry::Pose camera_from_board;
   double mean_now_px = 0, mean_then_px = 0;
 };
-/// The best of a set of poses of the board: nine positions, five tilts, two distances. The
-/// information of each view is added to that of the views in use.
+/// Chooses the best of a set of board poses: nine positions, five tilts, two distances. Adds the
+/// information of each candidate to that of the views in use.
 Advice advise(const Intrinsics& intrinsics, const BoardSpec& board);
 
 }  // namespace mixrig::calibration

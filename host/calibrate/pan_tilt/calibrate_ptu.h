@@ -8,7 +8,7 @@
 namespace mixrig::calibration {
 
 struct PtuOptions {
-  std::string camera;  ///< the set's first if empty
+  std::string camera;  ///< its name in the set; empty: the first camera of the set
   /// Lens of that camera; solved from the same views if absent, which is far less certain,
   /// because the distance of the board hardly changes.
   std::optional<geometry::AnyCamera> lens;
@@ -17,9 +17,9 @@ struct PtuOptions {
 
 struct PtuReport {
   estimation::PanTiltCalibration solved;
-  calibration_file::Calibration calibration;  ///< its pan_tilt
-  Eigen::MatrixXd covariance;                 ///< as estimation::calibrate_pan_tilt()
-  double repeatability_rad = 0;               ///< of each axis, that explains the residuals
+  calibration_file::Calibration calibration;  ///< the solved unit is its pan_tilt
+  Eigen::MatrixXd covariance;                 ///< covariance of estimation::calibrate_pan_tilt()
+  double repeatability_rad = 0;               ///< spread of each axis that explains the residuals
   double residual_px = 0;  ///< root mean square distance of the corners to the chain's projection
   int views = 0;
   std::vector<std::string> warnings;

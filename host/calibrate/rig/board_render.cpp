@@ -47,7 +47,7 @@ class Rays {
   std::vector<Eigen::Vector3d> rays_;
 };
 
-/// Where a ray meets the board, in squares; false where it does not.
+/// Intersects a ray with the board, in squares; false where it does not meet the front.
 bool meet(const Scene& scene, const Eigen::Vector3d& ray, Eigen::Vector2d& uv) {
   const Eigen::Vector3d d = scene.board_from_camera * ray;
   if (!(d.z() > 1e-9)) return false;  // only the front is visible

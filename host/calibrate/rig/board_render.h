@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The board as one camera sees it in one view: every pixel on it, with its ink and its light.
+// Renders the board as one camera sees it in one view: ink and light at every pixel on it.
 #pragma once
 
 #include <vector>
@@ -27,7 +27,7 @@ struct Sample {
   int x = 0, y = 0;
   Eigen::Vector2d uv;
   double ink = 0, ink_by_blur = 0;
-  bool edge = false;             ///< where the colour changes: only these depend on the geometry
+  bool edge = false;             ///< the ink changes here: only such pixels depend on the geometry
   Eigen::RowVector2d ink_by_px;  ///< derivative of ink by the pixel position
   LightRow light;                ///< 1, x, y, x^2, x y, y^2 on the board, times falloff
 };

@@ -15,7 +15,7 @@ struct BoardPrint {
   int columns = 0, rows = 0;      ///< squares
   double marker = 0;              ///< side of a ChArUco marker in squares; 0 for a checkerboard
   int marker_cells = 0;           ///< across a marker, its black border counted
-  std::vector<std::uint8_t> ink;  ///< of the markers, cell by cell, marker after marker: 1 = black
+  std::vector<std::uint8_t> ink;  ///< markers cell by cell, one marker after the other: 1 = black
 };
 
 /// Share of ink under a footprint and its derivatives.

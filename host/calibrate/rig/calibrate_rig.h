@@ -18,33 +18,37 @@ inline constexpr const char* kSecondDepthCamera = "tof2";
 
 /// At most one depth camera takes part: its error is one of the unknowns.
 struct RigOptions {
-  std::vector<std::string> cameras;  ///< that take part, the target camera first; all if empty
-  bool pixels = true;                ///< false: corners alone
-  bool bend = false;                 ///< solve for the board's bend even if it is not significant
-  int threads = 0;                   ///< 0: one per core
+  std::vector<std::string>
+      cameras;         ///< names of the cameras to use, the target camera first; empty: all
+  bool pixels = true;  ///< false: corners alone
+  bool bend = false;   ///< solve for the board's bend even if it is not significant
+  int threads = 0;     ///< 0: one per core
 };
 
-/// Error on views that were left out of the fit: the board's pose is taken from the target
-/// camera's corners alone, and the calibration predicts the other cameras' corners.
+/// Error on views that were left out of the fit: the board's pose is taken from the target camera's
+/// corners alone, and the calibration predicts the corners in the other cameras.
 struct HeldOut {
   std::string camera;
-  double corners_px = 0, pixels_px = 0;  ///< root mean square, after each step
+  double corners_px = 0,
+         pixels_px = 0;  ///< root mean square after the corner step, and after the pixel step
   int views = 0;
 };
 
 struct RigReport {
   RigModel by_corners, model;
-  std::vector<Misfound> misfound;  ///< a camera
+  std::vector<Misfound> misfound;  ///< false detections of each camera
   std::vector<HeldOut> held_out;
   double load_s = 0, corners_s = 0, pixels_s = 0;
-  std::vector<double> corner_px;  ///< a camera, all views, after the corner step
-  std::vector<double> grey_rms;   ///< a camera, share of the contrast from ink to paper
+  std::vector<double> corner_px;  ///< root mean square of each camera's corners over all views,
+                                  ///< after the corner step
+  std::vector<double>
+      grey_rms;  ///< residual of each camera, as a share of the contrast from ink to paper
   std::optional<DepthFit> depth;
   std::vector<std::string> warnings;
   calibration_file::Calibration calibration;
 };
 
-/// Name of the step, and how far it is: one call at a time, from any thread.
+/// Receives the name of the step and its progress. Called from any thread, one call at a time.
 using RigProgress = std::function<void(const char* what, int done, int total)>;
 
 /// Errors: kUsage, kNotFound, kFormat of the set; kData where it does not determine a
@@ -52,7 +56,8 @@ using RigProgress = std::function<void(const char* what, int done, int total)>;
 Result<RigReport> calibrate_rig(const ViewSet& set, const RigOptions& options,
                                 const RigProgress& progress);
 
-/// Poses of a camera's board by its own corners with a known lens; unset where it is not seen.
+/// Poses of the board in a camera with a known lens, from that camera's corners; unset in views
+/// where it is not seen.
 std::vector<std::optional<geometry::Pose>> refined_poses(const RigData& data, const RigModel& model,
                                                          std::size_t camera,
                                                          const std::vector<int>& views,

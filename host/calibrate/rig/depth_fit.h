@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The systematic error of a depth camera: as many terms as the data support.
+// Systematic error of a depth camera, with as many terms as the data support.
 #pragma once
 
 #include "host/calibrate/rig/rig_terms.h"

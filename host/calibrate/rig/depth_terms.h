@@ -9,18 +9,19 @@
 
 namespace mixrig::calibration {
 
-/// Sigma of depth on paper and on ink.
+/// Standard deviation of depth on paper and on ink.
 struct DepthScatter {
   double paper_m = 0, ink_m = 0;
 };
 DepthScatter depth_scatter(const Scene& scene, const std::vector<Sample>& samples,
                            const ViewPictures& seen);
 
-/// A depth of the picture as distance along the ray on which the camera sees `point` (board axes).
+/// Converts a depth value of the picture to distance along the ray on which the camera sees
+/// `point_m` (board axes).
 double along_ray(const Scene& scene, const ViewPictures& seen, double depth_m,
                  const Eigen::Vector3d& point_m);
 
-/// Sums of the depth residuals of a picture in the columns of `at`; adds their number to `rows`.
+/// Sums the depth residuals of a picture in the columns of `at`, and adds their number to `rows`.
 Eigen::MatrixXd depth_sums(const Scene& scene, const std::vector<Sample>& samples,
                            const ViewPictures& seen, const DepthScatter& sigma,
                            const CameraColumns& at, long& rows);

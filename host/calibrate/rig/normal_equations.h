@@ -35,12 +35,13 @@ class RowSum {
   int used_ = 0;
 };
 
-/// What one view adds: symmetric sums over shared parameters, then its six, then the residual.
+/// Sums of one view. `sum` is symmetric; its columns are the shared parameters, the view's six,
+/// then the residual.
 struct ViewTerm {
   Eigen::MatrixXd sum;
   long rows = 0;
 };
-/// Sums of view `view` at a model; called from several threads at once.
+/// Computes the sums of view `view` at a model; called from several threads at once.
 using ViewFunction =
     std::function<ViewTerm(const RigModel& model, const RigLayout& layout, int view)>;
 
@@ -57,7 +58,7 @@ struct SolveReport {
   long rows = 0;
   int steps = 0;
   bool solved = false;         ///< false where the data do not determine the parameters
-  Eigen::MatrixXd covariance;  ///< of the shared parameters, for residuals of sigma one
+  Eigen::MatrixXd covariance;  ///< of the shared parameters, for residuals of unit sigma
   Eigen::VectorXd weakest;     ///< eigenvector of the least certain direction
 };
 

@@ -9,7 +9,7 @@
 
 namespace mixrig::calibration {
 
-/// Terms on paper, then on ink.
+/// Coefficients of the light: kLight for paper, then kLight for ink.
 using Light = Eigen::Matrix<double, 2 * kLight, 1>;
 
 /// Normal equations of the light. Sums of the terms' products are shared by ink and paper.
@@ -30,9 +30,9 @@ class LightSum {
 struct LightFit {
   Light light = Light::Zero();
   double sigma = 0;  ///< root mean square of the residuals
-  double share = 0;  ///< of the variance that is explained
+  double share = 0;  ///< share of the variance that the light explains
 };
-/// Best light for rendered samples, twice: the second time with outliers weighted down.
+/// Fits the light to rendered samples in two passes; the second one weights outliers down.
 LightFit solve_light(const std::vector<Sample>& samples, const Image<float>& picture);
 
 }  // namespace mixrig::calibration

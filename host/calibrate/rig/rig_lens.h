@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One camera alone: its lens and the board's poses from corners.
+// Lens of one camera and the board's poses, from its corners alone.
 #pragma once
 
 #include "host/calibrate/rig/rig_start.h"
@@ -12,8 +12,8 @@ namespace mixrig::calibration {
 bool pose_of_corners(const RigCamera& camera, double square_m,
                      const std::vector<SeenCorner>& corners, geometry::Pose& camera_from_board);
 
-/// A model of this camera alone; views and corners that no lens explains are removed from `data`
-/// and counted there. Errors: kData where no lens explains half of the views.
+/// Solves one camera alone. Removes views and corners that no lens explains from `data` and counts
+/// them there. Errors: kData where no lens explains half of the views.
 Result<RigModel> solve_lens(RigData& data, std::size_t camera, Crew& crew);
 
 }  // namespace mixrig::calibration

@@ -17,7 +17,7 @@ struct RigCamera {
   geometry::LensKind lens = geometry::LensKind::kPinhole;
   Size size_px;
   Eigen::VectorXd parameters;         ///< geometry::parameters_of()
-  std::vector<int> free;              ///< indices of those that are solved for
+  std::vector<int> free;              ///< indices of the parameters to solve for
   geometry::Pose camera_from_target;  ///< identity for the first camera
   double blur_px = 0.5;               ///< sigma of the lens blur, without the pixel's own area
 };
@@ -29,11 +29,11 @@ struct DepthCurve {
 
 struct RigModel {
   std::vector<RigCamera> cameras;                 ///< the first is the target camera
-  std::vector<geometry::Pose> target_from_board;  ///< a view
+  std::vector<geometry::Pose> target_from_board;  ///< one for each view
   double square_m = 0;
   Eigen::Vector3d bend = Eigen::Vector3d::Zero();  ///< w = bend . (x^2, x y, y^2), metres; x, y run
                                                    ///< from -1 to 1 over the board
-  DepthCurve depth;                                ///< of the depth camera, measured - true
+  DepthCurve depth;                                ///< measured - true distance of the depth camera
 };
 
 /// Indices of a model's parameters in the vector of a step: cameras in order (free intrinsics, six
@@ -62,8 +62,8 @@ struct BoardPoint {
 };
 BoardPoint board_point(const RigModel& model, int columns, int rows, const Eigen::Vector2d& uv);
 
-/// Values of the natural cubic splines that are 1 at one knot and 0 at the others; past the ends
-/// those at the ends, as calibration_file::DepthError has them.
+/// Values of the natural cubic splines that are 1 at one knot and 0 at the others. Beyond the end
+/// knots they keep their values there, as in calibration_file::DepthError.
 void spline_basis(const std::vector<double>& knots, double at, Eigen::VectorXd& values);
 
 }  // namespace mixrig::calibration

@@ -13,23 +13,23 @@
 
 namespace mixrig::calibration {
 
-/// The print of a set's board. Errors: kUsage for a dictionary that is not known.
+/// Print of a set's board. Errors: kUsage for an unknown dictionary.
 Result<BoardPrint> print_of(const ViewSet& set);
 
 /// False detections in one camera's pictures.
 struct Misfound {
   std::vector<int> views;  ///< left out altogether
-  int corners = 0;         ///< those of such views included
+  int corners = 0;         ///< number, corners of views that were left out included
 };
 
 struct RigData {
   ViewSet set;  ///< cameras that take part
   BoardPrint print;
-  Pictures pictures;                                ///< view, camera
+  Pictures pictures;                                ///< by view, then camera
   SeenCorners corners;                              ///< inside the image circles
-  std::vector<std::optional<ImageCircle>> circles;  ///< a camera; none known where it is empty
-  std::vector<Misfound> misfound;                   ///< a camera; filled by start_rig()
-  double blur_px = 0;                               ///< largest median blur that the detector saw
+  std::vector<std::optional<ImageCircle>> circles;  ///< one for each camera; empty: none is known
+  std::vector<Misfound> misfound;                   ///< one for each camera; filled by start_rig()
+  double blur_px = 0;                               ///< largest median blur that the detector found
 };
 /// Reads all pictures of the cameras that `wanted` names (all if empty) and finds the board in
 /// them; calls `progress` with the number of views done and of all views. Errors: kUsage,
@@ -37,19 +37,19 @@ struct RigData {
 Result<RigData> load_rig_data(const ViewSet& set, const std::vector<std::string>& wanted,
                               Crew& crew, const std::function<void(int, int)>& progress);
 
-/// The image circle of a camera: that of a fisheye whose pictures show one.
+/// Image circle of a camera; nullopt unless it is a fisheye whose pictures show one.
 std::optional<ImageCircle> circle_of(const RigData& data, std::size_t camera);
 
 /// Views in which a camera sees the board.
 std::vector<int> seen_by(const RigData& data, std::size_t camera);
 
-/// Lenses, mounting and the board's poses, each good enough for the joint solution to start from.
-/// Removes false detections from `data`.
-/// Errors: kData where a camera sees the board too rarely or always in the same way, where no view
-/// is shared with the target camera, or where a lens cannot be found.
+/// Finds lenses, mounting and the board's poses, each good enough to start the joint solution from.
+/// Removes false detections from `data`. Errors: kData where a camera sees the board too rarely or
+/// always in the same way, where no view is shared with the target camera, or where a lens cannot
+/// be found.
 Result<RigModel> start_rig(RigData& data, Crew& crew);
 
-/// Root mean square of the corners' distances (px) of one camera over views, and how many.
+/// Root mean square distance (px) of one camera's corners over views, and their number.
 struct CornerError {
   double rms_px = 0;
   int corners = 0, views = 0;
@@ -57,7 +57,7 @@ struct CornerError {
 CornerError corner_error(const RigData& data, const RigModel& model, std::size_t camera,
                          const std::vector<int>& views);
 
-/// The board's pose in a camera from its corners alone; false where it cannot be had.
+/// Board's pose in a camera from its corners alone; false where the corners do not determine it.
 bool board_pose(const RigData& data, const RigModel& model, std::size_t camera, int view,
                 geometry::Pose& camera_from_board);
 

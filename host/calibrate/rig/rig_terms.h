@@ -22,14 +22,16 @@ using SeenCorners = std::vector<std::vector<std::vector<SeenCorner>>>;
 /// Pictures by view and camera; empty where the camera has none.
 using Pictures = std::vector<std::vector<ViewPictures>>;
 
-/// Robust sums (Huber) of the corners of a view; `sigma_px` a camera.
+/// Makes the robust sums (Huber) of a view's corners. `sigma_px`: standard deviation for each
+/// camera.
 ViewFunction corner_terms(const BoardPrint& print, const SeenCorners& corners,
                           const std::vector<double>& sigma_px);
 
-/// Sums of all pixels on the board of a view: the board is rendered into each picture with light
-/// that varies as a quadratic over the board, separately for ink and paper, solved for in the same
-/// step; the depth picture is compared with the distance of the board plus the depth curve.
-/// Residuals are whitened by their own scatter in the start model, Huber beyond three sigma.
+/// Sums over all pixels on the board of a view. The board is rendered into each picture with light
+/// that varies as a quadratic over the board, separately for ink and paper, and is solved for in
+/// the same step. The depth picture is compared with the distance of the board plus the depth
+/// curve. Residuals are divided by their scatter in the start model, and weighted by Huber beyond
+/// three sigma.
 class PixelTerms {
  public:
   PixelTerms(const BoardPrint& print, const Pictures& pictures)
@@ -43,8 +45,8 @@ class PixelTerms {
 
   struct Weights {
     bool used = false;
-    double grey = 0, contrast = 0;  ///< sigma, and paper - ink
-    double paper_m = 0, ink_m = 0;  ///< sigma of depth on both
+    double grey = 0, contrast = 0;  ///< standard deviation of grey, and paper - ink
+    double paper_m = 0, ink_m = 0;  ///< standard deviation of depth on paper and on ink
     long pixels = 0;
   };
 
@@ -53,16 +55,16 @@ class PixelTerms {
 
   const BoardPrint& print_;
   const Pictures& pictures_;
-  std::vector<std::vector<Weights>> weights_;  ///< view, camera
+  std::vector<std::vector<Weights>> weights_;  ///< by view, then camera
 };
 
-/// Mean of a patch of a depth picture: paper, ink, or where both meet.
+/// Mean of a patch of a depth picture: on paper, on ink, or where both meet.
 struct DepthSample {
   int view = 0;
-  double measured_m = 0, board_m = 0;  ///< distance along the ray, measured and by the model
+  double measured_m = 0, board_m = 0;  ///< distance along the ray: measured, and by the model
   double amplitude = 0;                ///< in the picture's unit
-  Eigen::Vector2d place{0, 0};         ///< in the picture, -1..1
-  double weight = 0;                   ///< pixels
+  Eigen::Vector2d place{0, 0};         ///< position in the picture, -1..1
+  double weight = 0;                   ///< number of pixels
 };
 std::vector<DepthSample> depth_samples(const BoardPrint& print, const Pictures& pictures,
                                        const RigModel& model, std::size_t camera,

@@ -79,7 +79,7 @@ Result<void> check_size(const ViewCamera& camera, Size size, const std::filesyst
                                        ": check size_px, and that the cameras are not swapped"};
 }
 
-/// What is wrong with the first line of a table of angles, or empty: it must name degrees.
+/// Fault of the first line of a table of angles, which must name degrees; empty: none.
 std::string wrong_angle_header(const std::string& line) {
   std::string lower;
   for (const char c : line) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

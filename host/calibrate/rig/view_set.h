@@ -34,8 +34,8 @@ struct ViewSet {
   struct Angles {
     double pan_rad = 0, tilt_rad = 0;
   };
-  std::vector<Angles> angles;  ///< of the encoders, a view; empty without a pan-tilt unit
-  double step_rad = 0;         ///< that the encoders round to; 0 where it is not known
+  std::vector<Angles> angles;  ///< encoder angles of each view; empty without a pan-tilt unit
+  double step_rad = 0;         ///< resolution of the encoders; 0: unknown
 };
 
 /// Reads FOLDER/views.toml. Errors: kNotFound, kFormat (file:line: key).
@@ -45,19 +45,19 @@ Result<ViewSet> read_view_set(const std::filesystem::path& folder);
 Result<std::vector<ViewSet::Angles>> parse_angles(const std::string& text, const std::string& name,
                                                   int views);
 
-/// What a camera saw in one view.
+/// Pictures of one camera in one view.
 struct ViewPictures {
   Image<float> picture;      ///< linear in light: 0..1 of 8-bit sRGB (its green, the finest
                              ///< channel), counts of a 16-bit grey picture
   Image<float> depth_m;      ///< 0 = unknown; empty for a colour camera
-  bool depth_is_z = false;   ///< else along the ray
-  Image<std::uint8_t> gray;  ///< for detectors
+  bool depth_is_z = false;   ///< false: depth is the distance along the ray
+  Image<std::uint8_t> gray;  ///< 8-bit picture for detectors
 };
-/// Errors: kNotFound, kFormat, also where a size is not the camera's.
+/// Reads the pictures of a view. Errors: kNotFound; kFormat, also where a size is not the camera's.
 Result<ViewPictures> load_view(const ViewSet& set, const ViewCamera& camera, int view);
-/// The camera of that name. Errors: kUsage, with the names that there are.
+/// Index of the camera with that name. Errors: kUsage, with the names that exist.
 Result<int> find_camera(const ViewSet& set, const std::string& name);
-/// Files of a set in a fixed order, for its hash.
+/// Files of a set in a fixed order, to hash them.
 std::vector<std::filesystem::path> files_of(const ViewSet& set, const std::string& only_camera);
 
 }  // namespace mixrig::calibration

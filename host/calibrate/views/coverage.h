@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a set of board views covers, and what it lacks.
+// Counts what a set of board views covers, and names what it lacks.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,6 @@
 
 namespace mixrig::calibration {
 
-/// A camera whose pictures are to be covered.
 enum class ViewRole { kTarget, kTof, kFisheye };
 struct CoveredCamera {
   ViewRole role = ViewRole::kTarget;
@@ -30,19 +29,19 @@ struct Need {
 };
 
 /// Counts needs: views that target and depth camera share, ninths of these two pictures, the board
-/// tilted by 15 degrees or more to four sides, near (half of the picture's width or height) and far
-/// (less than a third), and far off the axis before a fisheye. Not thread-safe.
+/// tilted by 15 degrees or more to four sides, near (half of the picture's width or height), far
+/// (less than a third), and far off the axis of a fisheye. Not thread-safe.
 class Coverage {
  public:
-  /// `target` is a guess of the target camera's lens, for the tilt; `views`: how many views target
-  /// and depth camera are to share.
+  /// `target`: a guess of the target camera's lens, from which tilts are computed. `views`: how
+  /// many views target and depth camera should share.
   Coverage(const BoardSpec& board, std::vector<CoveredCamera> cameras,
            const geometry::CameraModel& target, int views);
 
-  /// True where the corners differ from those of each view so far by 4 % of a picture's diagonal,
+  /// True where the corners differ from those of each earlier view by 4 % of a picture's diagonal,
   /// root mean square, in a camera that sees both.
   bool is_new(const SeenBoards& seen) const;
-  /// How many needs that are not met yet the view serves.
+  /// Number of unmet needs that the view would serve.
   int gain(const SeenBoards& seen) const;
   void add(SeenBoards seen);
 
@@ -51,7 +50,7 @@ class Coverage {
   const std::vector<SeenBoards>& views() const { return views_; }
   const std::vector<CoveredCamera>& cameras() const { return cameras_; }
   int shared() const { return needs_.front().have; }
-  /// What to do next, in a few words; empty where it is enough.
+  /// Next step for the user in a few words; empty when nothing is missing.
   std::string advice() const;
 
  private:
@@ -64,8 +63,8 @@ class Coverage {
   std::vector<SeenBoards> views_;
 };
 
-/// Where a board's normal points: right and down components of the unit normal that points to the
-/// camera; nullopt where the corners do not tell.
+/// Right and down components of the board's unit normal that points to the camera; nullopt where
+/// the corners do not determine it.
 std::optional<Eigen::Vector2d> board_tilt(const BoardView& seen, const BoardSpec& board,
                                           const geometry::CameraModel& camera);
 

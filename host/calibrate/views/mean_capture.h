@@ -11,19 +11,22 @@
 
 namespace mixrig::calibration {
 
-/// What all cameras of a rig saw while the board stood still.
+/// Mean pictures of all cameras of a rig while the board stood still.
 struct StillView {
   Image<Rgb8> target;
-  Image<Rgb8> fisheye;                      ///< empty where no picture was exposed meanwhile
-  Image<std::uint16_t> amplitude;           ///< counts as the camera's; empty where it has none
-  Image<std::uint16_t> depth;               ///< in steps of `depth_unit_m`, 0 = unknown
-  Image<std::uint16_t> amplitude2, depth2;  ///< of a second depth camera; empty where none saw it
-  std::optional<device::PanTiltAngles> pan_tilt;  ///< where all captures have one: the mean
+  Image<Rgb8> fisheye;             ///< empty where no picture was exposed meanwhile
+  Image<std::uint16_t> amplitude;  ///< in counts of the camera; empty where it has none
+  Image<std::uint16_t> depth;      ///< in steps of `depth_unit_m`, 0 = unknown
+  Image<std::uint16_t> amplitude2,
+      depth2;  ///< pictures of a second depth camera; empty where none saw it
+  std::optional<device::PanTiltAngles>
+      pan_tilt;  ///< mean angles; only where all captures have them
 };
 
-/// Means of pixels, rounded. A depth is known where it is in more than half of the captures, and is
-/// the mean of these. The fisheye's is of the pictures whose own mid-exposure lies between those of
-/// the first and the last plate. Precondition: at least one capture, all of one rig.
+/// Averages the captures pixel by pixel, rounded. A depth is known where it is known in more than
+/// half of the captures, and is their mean. The fisheye's picture is the mean of those whose own
+/// mid-exposure lies between the first and the last plate. Precondition: at least one capture, all
+/// of one rig.
 StillView mean_of(std::span<const capture::Capture* const> captures, double depth_unit_m);
 
 }  // namespace mixrig::calibration

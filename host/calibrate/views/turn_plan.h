@@ -10,8 +10,8 @@
 
 namespace mixrig::calibration {
 
-/// How far the unit may turn to either side, so that a board seen at `board` stays in the picture;
-/// `camera` is a guess of its lens. 0 where the board fills the picture.
+/// Largest turn of the unit to either side that keeps a board seen at `board` in the picture.
+/// `camera`: a guess of the camera's lens. 0 where the board fills the picture.
 device::PanTiltAngles turn_reach(const BoardView& board, const geometry::CameraModel& camera);
 
 /// `views` angles within `reach` of `middle` and within the limits of the unit, spread evenly

@@ -13,29 +13,31 @@
 
 namespace mixrig::calibration {
 
-/// What is the same in all views.
+/// Properties that all views share.
 struct ViewFolderInfo {
   std::string name;
   BoardSpec board;  ///< a checkerboard or a ChArUco board
   Size target_px, tof_px;
   Size fisheye_px;        ///< empty: no fisheye
-  bool amplitude = true;  ///< false: the depth camera is left out, the board is not seen in it
-  Size tof2_px;           ///< of a second depth camera with amplitude; empty: none
-  double depth_unit_m = 0.00025;  ///< of all depth cameras
+  bool amplitude = true;  ///< false: the board is not seen in the depth camera's amplitude, and its
+                          ///< pictures are left out
+  Size tof2_px;  ///< size of a second depth camera's pictures, if it has amplitude; empty: none
+  double depth_unit_m = 0.00025;  ///< one for all depth cameras
   capture::DepthKind depth_kind = capture::DepthKind::kZ, depth2_kind = capture::DepthKind::kZ;
-  double step_rad = 0;  ///< of the pan-tilt unit; 0: not known
+  double step_rad = 0;  ///< resolution of the pan-tilt unit; 0: unknown
 };
 
-/// Whole or not at all, under a temporary name until finish(). Where each view has angles of the
-/// pan-tilt unit, and they differ by a degree, it writes them too. Not thread-safe.
+/// Writes the folder whole or not at all, under a temporary name until finish(). Also writes the
+/// angles of the pan-tilt unit where each view has some and they differ by a degree. Not
+/// thread-safe.
 class ViewFolder {
  public:
   /// Errors: kUsage for a folder that holds something else, kIo.
   static Result<ViewFolder> create(const std::filesystem::path& folder, ViewFolderInfo info);
-  /// Precondition: pictures of the sizes of the info; a missing fisheye's is written black.
+  /// Precondition: pictures have the sizes of the info. A missing fisheye picture is written black.
   Result<void> add(const StillView& view);
   int views() const { return static_cast<int>(angles_.size()); }
-  /// For further files, before finish().
+  /// Folder under its temporary name, for further files before finish().
   const std::filesystem::path& staging() const { return partial_.path(); }
   /// Precondition: at least one view.
   Result<void> finish();
@@ -50,12 +52,11 @@ class ViewFolder {
   std::vector<std::optional<device::PanTiltAngles>> angles_;
 };
 
-/// ptu.csv: degrees, as its header says.
+/// Text of ptu.csv; degrees, as its header says.
 std::string angles_text(const std::vector<device::PanTiltAngles>& angles);
 
-/// Errors: kUsage for a board that views.toml cannot hold, or whose corners change their order with
-/// the side from which it is seen: columns and rows of a checkerboard that are both odd or both
-/// even.
+/// Checks that views.toml can hold the board and that its corners have one order from every side.
+/// Errors: kUsage, also for a checkerboard whose columns and rows are both odd or both even.
 Result<void> check_view_board(const BoardSpec& board);
 
 }  // namespace mixrig::calibration

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plain composites of a judged run, and their errors: made from its captures, its learned
-// background and its virtual objects, outside the timed pass.
+// Plain composites of a judged run and their errors, made outside the timed pass from the run's
+// captures, its learned background and its virtual objects.
 #pragma once
 
 #include <memory>
@@ -20,22 +20,22 @@ struct BaselineErrors {
   measure::Errors errors;
 };
 
-/// The virtual objects are drawn by a cpu compositor of its own, so that all composites of a run
-/// show the same objects; the rest shares nothing with the compositor (host/judge/measure). Not
-/// movable: that compositor points into it.
+/// Composites each frame plainly and judges it. A cpu compositor of its own draws the virtual
+/// objects, so that all composites of a run show the same objects; the rest shares nothing with the
+/// compositor (host/judge/measure). Not movable: that compositor points into it.
 class Baselines {
  public:
   Baselines() = default;
   Baselines(const Baselines&) = delete;
   Baselines& operator=(const Baselines&) = delete;
 
-  /// `setup` with its background; it must outlive this. Errors: kUsage without a learned
-  /// background, or where the room is not shown; those of the back end.
+  /// `setup` has the background and must outlive this. Errors: kUsage without a learned background,
+  /// or where the room is not shown; those of the back end.
   Result<void> open(const render::CompositorSetup& setup);
-  /// A frame. Errors: those of the back end and of Judge::add().
+  /// Judges one frame. Errors: those of the back end and of Judge::add().
   Result<void> add(const capture::Capture& capture, const geometry::Pose& world_from_target,
                    bool objects_shown, const capture::Truth& truth);
-  /// In the order of measure::kBaselines.
+  /// Errors so far, in the order of measure::kBaselines.
   std::vector<BaselineErrors> errors() const;
 
  private:
@@ -49,11 +49,11 @@ class Baselines {
   void draw_background(const geometry::Pose& world_from_target);
 
   const render::CompositorSetup* setup_ = nullptr;
-  render::CompositorSetup objects_setup_;  ///< the objects alone, over nothing
+  render::CompositorSetup objects_setup_;  ///< setup of the objects alone, over nothing
   std::unique_ptr<render::Compositor> compositor_;
   Image<PlatePlace> plate_px_;
   Image<measure::Ray> tof_rays_;
-  std::vector<Image<measure::Ray>> background_rays_;  ///< of each model
+  std::vector<Image<measure::Ray>> background_rays_;  ///< one image for each background model
   Image<float> no_depth_m_;                           ///< unknown everywhere
   render::FrameOutput objects_;
   Image<Rgb8> plate_;

@@ -13,8 +13,8 @@
 
 namespace mixrig::session {
 
-/// Judges at the truth's size: a composite of another size is resampled first (colour, matte and
-/// light bilinear, depth and layer nearest), so that different sizes are comparable.
+/// Judges at the size of the truth. A composite of another size is resampled first (colour, matte
+/// and light bilinear, depth and layer nearest), so that different sizes are comparable.
 class Judge {
  public:
   /// Images of a composite that it uses.
@@ -26,7 +26,7 @@ class Judge {
   explicit Judge(bool room_shown = true) : room_shown_(room_shown) {}
   /// `output` holds the wanted images. Errors: kData for a truth of another size.
   Result<void> add(const capture::Truth& truth, const render::FrameOutput& output);
-  /// The same of any composite.
+  /// Adds any other composite in the same way.
   Result<void> add(const capture::Truth& truth, const measure::ResultImages& composite);
   measure::Errors errors() const;
   /// The largest wrong piece of the last frame, in pixels of the truth; 0 pixels: none.

@@ -20,20 +20,20 @@ struct FrameSlip {
   std::optional<double> measured_px, sigma_px;
 };
 
-/// Over all contact points of the frames.
+/// Slip over all contact points of the frames.
 struct SlipReport {
   struct Measured {
     double rms_px = 0, p95_px = 0, max_px = 0;
   };
   std::optional<Measured> measured;
   std::optional<double> sigma_px;       ///< predicted root mean square
-  std::optional<double> within_95_pct;  ///< points with truth and covariance
+  std::optional<double> within_95_pct;  ///< share of the points with truth and covariance
 };
 
 /// Nothing allocates after construction. One thread.
 class SlipWatch {
  public:
-  /// Contact points in world axes; the view that is composited.
+  /// `contacts_m`: contact points in world axes; `view`: the view that is composited.
   SlipWatch(std::vector<Eigen::Vector3d> contacts_m, const geometry::Pinhole& view)
       : contacts_m_(std::move(contacts_m)), view_(view) {}
   /// A frame that shows its objects by `used` (CameraPose::world_from_target also where it is
@@ -41,8 +41,8 @@ class SlipWatch {
   FrameSlip add(const capture::CameraPose& used, const std::optional<geometry::Pose>& known) {
     return add(used, known, view_, view_);
   }
-  /// The same of a lens that zooms: the view in use and the true one, of the size of the view; the
-  /// poses are those of the centres of projection.
+  /// Adds a frame of a zooming lens: `used_view` is the view in use and `known_view` the true one,
+  /// both of the size of the view; the poses are those of the centres of projection.
   FrameSlip add(const capture::CameraPose& used, const std::optional<geometry::Pose>& known,
                 const geometry::Pinhole& used_view, const geometry::Pinhole& known_view);
   SlipReport report() const;

@@ -23,12 +23,12 @@ struct BenchOptions {
   unsigned seed = 7;
 };
 
-/// The walk in the studio that is measured: folder/takes/..., rendered unless it is there. Errors:
-/// those of the studio.
+/// Take of the walk in the studio that is measured, in folder/takes; renders it unless it exists.
+/// Errors: those of the studio.
 Result<std::filesystem::path> bench_take(const BenchOptions& options, studio::RigPreset rig,
                                          const ProgressFn& progress);
 
-/// One setting of all parameters, and its result.
+/// Quality level: one setting of all parameters, and its result.
 struct Rung {
   std::string knob;  ///< what is varied: "back end", "depth camera", "view size"
   std::string name;  ///< the value
@@ -38,16 +38,17 @@ struct Rung {
   RunReport report;
 };
 
-/// Renders the takes that are missing and runs all rungs with their baselines, gles among them
-/// where it starts. A rung that is one setting of several knobs is run once. Errors: those of the
-/// studio and of run().
+/// Renders the missing takes and runs all quality levels with their baselines, gles included where
+/// it starts. A level that is one setting of several knobs is run once. Errors: those of the studio
+/// and of run().
 Result<std::vector<Rung>> bench(const BenchOptions& options, const Clock& clock,
                                 const ProgressFn& progress);
 
 nlohmann::json to_json(const std::vector<Rung>& rungs);
-/// A row for each rung, and below each depth camera one for each baseline. Shares in percent.
+/// Text table with a row for each level, and below each depth camera a row for each baseline.
+/// Shares in percent.
 std::string to_table(const std::vector<Rung>& rungs);
-/// Milliseconds a frame against wrongly keyed pixels, a line for each knob.
+/// Plot of milliseconds per frame against wrongly keyed pixels, a line for each knob.
 report::Plot plot_of(const std::vector<Rung>& rungs);
 
 }  // namespace mixrig::session

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who takes part in a suite: a rung of the compositor, or a function of another library.
+// Participant of a suite: a quality level of the compositor, or a function of another library.
 #pragma once
 
 #include <memory>
@@ -13,20 +13,20 @@
 
 namespace mixrig::bench {
 
-/// Composites frames for its time, and for its error. One thread.
+/// Composites frames to measure time, and again to measure error. One thread.
 class Contender {
  public:
   virtual ~Contender() = default;
-  /// Makes what frame `index` of the input shows; only its own work is timed, in milliseconds.
+  /// Makes what frame `index` of the input shows. Returns milliseconds of its own work alone.
   virtual Result<float> time(std::size_t index) = 0;
-  /// The same, judged against the truth; frames in order.
+  /// Makes frame `index` and judges it against the truth; called for frames in order.
   virtual Result<void> judge(std::size_t index) = 0;
-  /// What is known without the times.
+  /// Row of results, without the times.
   virtual Row row() const = 0;
 };
 using ContenderPtr = std::unique_ptr<Contender>;
 
-/// A measure of a suite, beside those of depth.
+/// A further measure of a suite, besides those of depth.
 struct Measure {
   const char* key;
   std::optional<double> (*of)(const measure::Errors&);
@@ -36,9 +36,9 @@ struct Measure {
 void add_errors(const measure::Errors& errors, bool depth, const std::vector<Measure>& measures,
                 Row& row);
 
-/// Times every contender on every frame in turn, `rounds` times (the order begins with another one
-/// in each frame, so that a load of the machine meets all of them), after a frame that is not
-/// counted; then judges them. Errors: theirs.
+/// Times every contender on every frame, `rounds` times, after one frame that is not counted; then
+/// judges them. Each frame starts with another contender, so that load of the machine affects all.
+/// Errors: those of the contenders.
 Result<std::vector<Row>> measure_all(const std::vector<ContenderPtr>& contenders,
                                      std::size_t frames, int rounds, const std::string& what,
                                      const ProgressFn& progress);

@@ -4,9 +4,9 @@
 
 namespace mixrig::bench {
 
-/// Bytes a second that one thread reads and writes when it copies what no cache holds: twice the
-/// copied bytes over the least of five times. Takes 0.5 GB for the moment. Measured anew in each
-/// call.
+/// Bytes per second that one thread reads and writes when it copies memory that no cache holds:
+/// twice the copied bytes over the shortest of five times. Needs 0.5 GB while it runs. Measures
+/// again in each call.
 double copy_bytes_per_s();
 
 }  // namespace mixrig::bench

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all rungs and peers of a suite work on: the same frames, with their truth.
+// Input that all quality levels and peers of a suite share: the same frames, with their truth.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +21,7 @@ struct BenchFrame {
   geometry::Pose world_from_target;
 };
 
-/// The setup of a view size, with its learned background.
+/// Setup for one view size, with its learned background.
 using SessionPtr = std::unique_ptr<session::Session>;
 
 /// Opens TAKE/scene.toml with the take at `size_px` (empty: that of the take) and learns its
@@ -33,7 +33,8 @@ Result<SessionPtr> open_input(const std::filesystem::path& take, Size size_px, c
 /// truth or whose lens zooms; those of reading.
 Result<std::vector<BenchFrame>> read_frames(const session::Session& session, int most);
 
-/// Plates of at most `most` of the frames that the background is learned from. Errors: of reading.
+/// Plates of at most `most` of the frames that the background is learned from. Errors: those of
+/// reading.
 Result<std::vector<Image<Rgb8>>> read_empty_plates(const session::Session& session, int most);
 
 }  // namespace mixrig::bench

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the cpu back end has to move at least.
+// Least memory traffic of the cpu back end.
 #pragma once
 
 #include "hal/base/image.h"
@@ -7,10 +7,10 @@
 
 namespace mixrig::bench {
 
-/// Bytes that a stage of a still frame with all images of kComposite reads and writes at least:
-/// each image once in each pass that needs all of it. 0 for stages that a still frame leaves out.
+/// Bytes that a stage of a still frame with all images of kComposite must read and write: each
+/// image once in each pass that needs all of it. 0 for stages that a still frame leaves out.
 double moved_bytes(render::Stage stage, Size view, Size tof);
-/// The same of all stages.
+/// Sum of moved_bytes() over all stages.
 double moved_bytes(Size view, Size tof);
 
 }  // namespace mixrig::bench

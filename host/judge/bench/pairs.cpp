@@ -197,7 +197,7 @@ Image<float> decimated(const Image<float>& values, int factor) {
 }
 
 Image<float> sides_by_color(const Image<float>& low, const Image<Rgb8>& color) {
-  // Of depth, with 1 / disparity as unit: the surfaces and their order are the same.
+  // Depth in units of 1 / disparity: the surfaces and their order are the same.
   Image<float> depth(color.size());
   const auto sample = [&](int x, int y) {
     return low.row(std::min(y / kFactor, low.height() - 1))[std::min(x / kFactor, low.width() - 1)];

@@ -33,7 +33,8 @@ class PeerContender final : public Contender {
     return static_cast<float>(milliseconds(clock_.now() - begin));
   }
 
-  /// What a peer does not make is none: nobody, unknown depth, full light.
+  /// Judges a peer's output. An image that it does not make counts as nobody, unknown depth and
+  /// full light.
   Result<void> judge(std::size_t index) override {
     const PeerFrame& frame = (*inputs_)[index];
     peer_.run(frame.input(), output_);

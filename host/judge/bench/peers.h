@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions of other libraries on the input of a suite. opencv_peers.cpp in a build with
-// MIXRIG_BENCH_PEERS, no_peers.cpp else.
+// Functions of other libraries that run on the input of a suite. Defined in opencv_peers.cpp in a
+// build with MIXRIG_BENCH_PEERS, else in no_peers.cpp.
 #pragma once
 
 #include <functional>
@@ -12,14 +12,14 @@
 
 namespace mixrig::bench {
 
-/// Of a frame; views into what outlives the call.
+/// Images of one frame; they must stay valid during the call.
 struct PeerInput {
   ImageView<const float> tof_z_m;   ///< along the axis, without the ToF camera's lens; 0 unknown
   ImageView<const Rgb8> plate;      ///< in the view, through the lens
   ImageView<const float> warped_m;  ///< our warped depth, 0 unknown
 };
 
-/// What a peer makes, one of both, of the view's size.
+/// Result of a peer: one of the two images, in the view's size.
 struct PeerOutput {
   Image<float> depth_m;
   Image<std::uint8_t> matte;
@@ -27,27 +27,27 @@ struct PeerOutput {
 
 struct Peer {
   std::string name;   ///< "rgbd::registerDepth, dilated"
-  bool best = false;  ///< of its function's grid; the others are only for --grid
+  bool best = false;  ///< best setting of its function's grid; other settings run only with --grid
   std::function<void(const PeerInput&, PeerOutput&)> run;
 };
 
-/// What peers know of a take.
+/// Properties of a take that peers need.
 struct PeerSetup {
   geometry::Pinhole tof;  ///< without its lens
   geometry::Pinhole view;
   geometry::Pose target_from_tof;
-  std::vector<Image<Rgb8>> empty_plates;  ///< of the room without people, in the view
+  std::vector<Image<Rgb8>> empty_plates;  ///< pictures of the room without people, in the view
 };
 
-/// Whether this build has any.
+/// Whether this build has peers.
 bool has_peers();
 
-/// Those of a suite ("warp", "refine", "key", and "pairs", which is refine's; of others none), at
-/// every setting of the grid. One thread each.
+/// Peers of a suite at every setting of their grids: "warp", "refine", "key" and "pairs", which
+/// uses those of "refine"; empty for other suites. Each runs in one thread.
 std::vector<Peer> peers_of(const std::string& suite, const PeerSetup& setup);
 
-/// Adds the peers of a suite, each at its best setting, or with `grid` at all. Errors: those of
-/// compositing the input that they are given.
+/// Adds the peers of a suite at their best settings, or with `grid` at all settings. Errors: those
+/// of compositing their input.
 Result<void> add_peers(const std::string& suite, bool grid, const session::Session& session,
                        const std::vector<BenchFrame>& frames, const std::vector<Measure>& measures,
                        std::vector<ContenderPtr>& contenders);

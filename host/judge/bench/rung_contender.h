@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rung of the compositor: a setting of the scene, a back end, a size.
+// A quality level of the compositor: a setting of the scene, a back end, a size.
 #pragma once
 
 #include <functional>
@@ -9,27 +9,28 @@
 
 namespace mixrig::bench {
 
-/// What is looked at of a composite.
+/// Which images of a composite are judged.
 enum class Look {
-  kWarped,     ///< the warped depth as depth
-  kMixed,      ///< the mixed depth as depth
-  kComposite,  ///< not its depth
+  kWarped,     ///< the warped depth, as depth
+  kMixed,      ///< the mixed depth, as depth
+  kComposite,  ///< all but its depth
 };
 
 struct Rung {
   std::string name;
   session::BackendChoice backend;
-  std::function<void(render::CompositorSetup&)> change{};  ///< of the scene's setup; none: as it is
-  std::vector<render::Stage> stages{};  ///< whose time counts; empty: that of the whole frame
+  std::function<void(render::CompositorSetup&)>
+      change{};                         ///< changes the scene's setup; empty: unchanged
+  std::vector<render::Stage> stages{};  ///< stages whose time counts; empty: the whole frame
   bool moves =
       false;  ///< the camera, by 1 mm before each timed frame: nothing is kept between them
   bool timed = true;
   Look look = Look::kComposite;
   std::vector<Measure> measures{};
-  bool heap = false;  ///< the row has `heap_mb`, what its compositor and images hold
+  bool heap = false;  ///< adds `heap_mb` to the row: memory of its compositor and images
 };
 
-/// Borrows session and frames. Errors: those of the back end, of the first frame.
+/// Keeps references to session and frames. Errors: those of the back end and of the first frame.
 Result<ContenderPtr> open_rung(Rung rung, const session::Session& session,
                                const std::vector<BenchFrame>& frames);
 

@@ -49,7 +49,7 @@ double worst_mean_mm(const ScanRung& rung) {
   return worst;
 }
 
-/// What the plot and the table do not need would add up over the rungs.
+/// Frees what the plot and the table do not need, so that memory does not grow with the levels.
 void drop_pictures(RoomScan& scan) {
   const std::size_t triangles = scan.mesh.indices.size();
   const model::ViewGains gains = scan.panorama.gains;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time against error of a scan: the same sweep with every step of the model left out or changed.
+// Time against error of a scan: one sweep, with every step of the model left out or changed in
+// turn.
 #pragma once
 
 #include <filesystem>
@@ -20,23 +21,23 @@ struct ScanBenchOptions {
   int threads = 0;                    ///< 0: one per core
 };
 
-/// One change of the scan's options, and its result.
+/// Quality level of a scan: one change of its options, and the result.
 struct ScanRung {
   std::string knob;  ///< what is varied: "steps", "mesh", "panorama"
   std::string name;
   RoomScanOptions options;
-  double cpu_seconds = 0;  ///< of all threads, from the first frame to the mesh
+  double cpu_seconds = 0;  ///< CPU time of all threads, from the first frame to the mesh
   RoomScan scan;           ///< without pictures and vertices
 };
 
-/// Scans the take with every rung. Errors: those of scan_room.
+/// Scans the take at every level. Errors: those of scan_room.
 Result<std::vector<ScanRung>> scan_bench(const ScanBenchOptions& options,
                                          const ProgressFn& progress);
 
 nlohmann::json to_json(const std::vector<ScanRung>& rungs);
-/// A row for each rung.
+/// Text table with a row for each level.
 std::string to_table(const std::vector<ScanRung>& rungs);
-/// CPU seconds against the largest mean error of a length, a line for each knob.
+/// Plot of CPU seconds against the largest mean error of a length, a line for each knob.
 report::Plot plot_of(const std::vector<ScanRung>& rungs);
 
 }  // namespace mixrig::session

@@ -17,13 +17,13 @@ inline constexpr std::array<std::string_view, 7> kSuites{"warp",   "refine", "ke
 bool is_suite(std::string_view name);
 
 struct SuiteOptions {
-  std::filesystem::path take;  ///< of the studio, with its scene.toml
-  bool grid = false;           ///< peers at every setting of their grids
+  std::filesystem::path take;  ///< take of the studio with its scene.toml
+  bool grid = false;           ///< runs peers at every setting of their grids
   bool quick = false;          ///< fewer frames, no gles
 };
 
-/// Runs one of kSuites: all rungs, the peers of this build and gles where it starts, on the same
-/// frames in turn. Errors: those of the take, of a back end other than gles.
+/// Runs one of kSuites: all levels, the peers of this build, and gles where it starts, in turn on
+/// the same frames. Errors: those of the take and of a back end other than gles.
 Result<Suite> run_suite(const std::string& name, const SuiteOptions& options,
                         const ProgressFn& progress);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The delay of a live run, measured: a take of the studio is played in real time as the devices of
-// a rig, and the motion in what is shown is held against that of the same pictures, composited
-// before without haste, at the times when they were exposed.
+// Measures the delay of a live run. A take of the studio is played in real time as the devices of a
+// rig. The motion that is shown is correlated with the motion in the same pictures, composited
+// beforehand, at their exposure times.
 #pragma once
 
 #include <filesystem>
@@ -23,46 +23,47 @@
 namespace mixrig::session {
 
 struct LatencyOptions {
-  std::filesystem::path scene, take;  ///< of the studio, with truth, a camera that stands still and
-                                      ///< somebody who moves
-  std::filesystem::path folder;       ///< rig.toml is written there
+  std::filesystem::path scene,
+      take;  ///< take of the studio with truth, a camera that stands still and somebody who moves
+  std::filesystem::path folder;  ///< folder for rig.toml
   std::optional<Size> view_size{};
   BackendChoice backend{};
 };
 
-/// A measurement that is set up. Members point into one another: it stays where it is made.
+/// A prepared measurement. Members point into one another, so it must not move.
 struct LatencyBench {
   std::unique_ptr<Session> session;
   std::vector<measure::Sample> motion;  ///< at the times of the frames, on the host's clock
-  output::ShownLog log;                 ///< to be filled by the sink that shows
+  output::ShownLog log;                 ///< filled by the sink that shows the composites
   Size view_px;
 };
 
 struct LatencyReport {
   std::size_t frames = 0;                                     ///< shown
-  double period_ms = 0;                                       ///< of the take
+  double period_ms = 0;                                       ///< period of the take
   std::vector<float> total_ms, wait_ms, compose_ms, show_ms;  ///< of each frame
-  std::optional<measure::Delay> correlated;  ///< by the motions alone; nothing: they cannot tell
+  std::optional<measure::Delay>
+      correlated;  ///< delay by the motions alone; absent where they do not determine it
   RunReport run;
 };
 
-/// Composites the take once, opens the session and reads the take into memory, and sets the time of
-/// the first frame, some seconds from now. Errors: those of
-/// scene and take; kData for a take without truth or rate.
+/// Composites the take once, opens the session and reads the take into memory. Sets the time of the
+/// first frame a few seconds ahead. Errors: those of scene and take; kData for a take without truth
+/// or rate.
 Result<std::unique_ptr<LatencyBench>> prepare_latency(const LatencyOptions& options, Clock& clock,
                                                       const std::atomic<bool>& stop);
 
-/// A sink that fills the log with what is handed over, where no screen is wanted.
+/// Makes a sink that only fills the log with the composites it gets, where no screen is wanted.
 std::unique_ptr<output::CompositeSink> make_log_sink(output::ShownLog& log, const Clock& clock);
 
-/// Plays and composites the take, with `sink` filling bench.log. Errors: those of run(); kData
-/// where nothing was shown.
+/// Plays and composites the take; `sink` must fill bench.log. Errors: those of run(); kData where
+/// nothing was shown.
 Result<LatencyReport> run_latency(LatencyBench& bench, std::unique_ptr<output::CompositeSink> sink,
                                   output::RunOrders& orders, const Clock& clock);
 
 nlohmann::json to_json(const LatencyReport& report);
 std::string to_table(const LatencyReport& report);
-/// Medians and 99th percentiles of the stages.
+/// Plot of medians and 99th percentiles of the stages.
 report::BarPlot plot_of(const LatencyReport& report);
 
 }  // namespace mixrig::session

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The delay of a real rig: a lamp on a trigger line, seen by the camera, and its brightness in the
-// composites at the times when they are there. Exact to one exposure.
+// Measures the delay of a real rig: a lamp on a trigger line blinks in view of the camera, and its
+// brightness in the composites is compared with its switching times. Exact to one exposure.
 #pragma once
 
 #include <atomic>
@@ -24,7 +24,7 @@
 
 namespace mixrig::session {
 
-/// Pixels of the view.
+/// Rectangle in pixels of the view.
 struct MarkerRegion {
   int x = 0, y = 0, width = 0, height = 0;
 };
@@ -33,36 +33,39 @@ struct MarkerOptions {
   std::filesystem::path rig{};    ///< rig.toml, whose [[trigger.line]] has the lamp
   std::filesystem::path scene{};  ///< empty: a scene with nothing in it
   std::filesystem::path folder{};
-  int line = -1;          ///< of the lamp
-  double exposure_s = 0;  ///< of the camera; 0: exposure_ms of rig.toml
+  int line = -1;          ///< trigger line of the lamp
+  double exposure_s = 0;  ///< exposure time of the camera; 0: exposure_ms of rig.toml
   double duration_s = 20;
-  std::optional<MarkerRegion> region{};  ///< of the view that shows the lamp; all of it if absent
+  std::optional<MarkerRegion>
+      region{};  ///< part of the view that shows the lamp; absent: all of it
 };
 
-/// What was seen and when the master ticked. Memory is made by the constructor.
+/// Brightness of the lamp and ticks of the master clock. Memory is allocated by the constructor
+/// only.
 struct MarkerLog {
   std::vector<sync::Tick> ticks;
-  std::vector<measure::Sample> seen;     ///< mean light of the region, at the time of the sink
-  measure::QuantileSketch stamped_ms{};  ///< from the stamps of mid-exposure to the sink
+  std::vector<measure::Sample>
+      seen;  ///< mean light of the region, at the time when the sink got it
+  measure::QuantileSketch stamped_ms{};  ///< time from mid-exposure, by the stamps, to the sink
   explicit MarkerLog(std::size_t frames) { ticks.reserve(frames), seen.reserve(frames); }
 };
 
-/// Fills a log that outlives it, as long as it has room. The source tells the ticks.
+/// Makes a sink that fills `log` until it is full. `log` outlives it; the ticks come from `source`.
 std::unique_ptr<output::CompositeSink> make_marker_sink(MarkerLog& log,
                                                         std::optional<MarkerRegion> region,
                                                         const capture::CaptureSource& source,
                                                         const Clock& clock);
 
-/// Times of a line's pulses between the first and the last tick, on and off in turn, on host time.
-/// The master's period is that of the ticks. A master that was restarted counts from there on.
-/// Empty for fewer than two ticks, and a line that is off. `period`: nominal, of the master.
+/// Times (host time) of a line's pulses between the first and the last tick, on and off in turn.
+/// The period is that of the ticks; a master that was restarted counts from its restart on. Empty
+/// for fewer than two ticks, and for a line that is off. `period`: the master's nominal period.
 std::vector<double> switches_of(std::span<const sync::Tick> ticks,
                                 const device::TriggerChannel& channel, Duration period);
 
 struct MarkerReport {
   measure::Delay delay;
-  double stamped_s = 0;                ///< median by the stamps of the same pictures
-  double exposure_s = 0, blink_s = 0;  ///< period of the lamp
+  double stamped_s = 0;                ///< median delay by the stamps of the same pictures
+  double exposure_s = 0, blink_s = 0;  ///< exposure time, and period of the lamp
   std::size_t frames = 0, switches = 0;
 };
 

@@ -10,9 +10,9 @@
 
 namespace mixrig::session {
 
-/// Writes FOLDER/rig.toml with the colour and depth streams of `take` as devices, and makes FOLDER
-/// where it is missing. They play from `begin` on; as soon as both have started where it is
-/// absent. Errors: kIo.
+/// Writes FOLDER/rig.toml with the colour and depth streams of `take` as devices; makes FOLDER
+/// where it is missing. The streams play from `begin` on; without `begin`, as soon as both have
+/// started. Errors: kIo.
 Result<std::filesystem::path> write_played_rig(const std::filesystem::path& folder,
                                                const std::filesystem::path& take,
                                                std::optional<HostTime> begin);

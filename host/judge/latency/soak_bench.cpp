@@ -50,9 +50,9 @@ class SoakSink final : public output::CompositeSink {
   }
   Result<void> finish() override { return {}; }
 
-  /// Of the first composite, after the first picture.
+  /// Time of the first composite after the first picture.
   double first_s() const { return first_s_.value_or(0); }
-  /// Of the first and the last capture.
+  /// Numbers of the first and the last capture.
   std::pair<int, int> numbers() const { return numbers_; }
   std::vector<SoakPart> parts() const {
     std::vector<SoakPart> parts;

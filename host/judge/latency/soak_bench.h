@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A long live run: a take that is played again and again as the devices of a rig. Says whether the
+// Endurance test: a take is played again and again as the devices of a live rig. Finds whether the
 // delay drifts, memory grows, or a frame is lost without a reason.
 #pragma once
 
@@ -22,15 +22,15 @@ namespace mixrig::session {
 
 struct SoakOptions {
   std::filesystem::path scene{}, take{};
-  std::filesystem::path folder{};  ///< rig.toml is written there
-  double duration_s = 1200;        ///< of the frames, by their own times
-  double speed = 1;                ///< the clock of devices and pairing runs so many times as fast
+  std::filesystem::path folder{};  ///< folder for rig.toml
+  double duration_s = 1200;        ///< duration of the frames, by their own times
+  double speed = 1;  ///< factor by which the clock of devices and pairing is faster than real time
   std::optional<Size> view_size{};
   BackendChoice backend{};
-  RunExtras extras{};  ///< that run beside
+  RunExtras extras{};  ///< extras that run as well
 };
 
-/// A clock that runs `speed` times as fast as the host's, from its making on. Thread-safe.
+/// A clock that runs `speed` times as fast as the host's, from its construction on. Thread-safe.
 class FastClock final : public Clock {
  public:
   explicit FastClock(double speed) : speed_(speed), begin_(host_.now()) {}
@@ -48,11 +48,11 @@ class FastClock final : public Clock {
   const HostTime begin_;
 };
 
-/// A twelfth of the run.
+/// Figures of a twelfth of the run.
 struct SoakPart {
-  std::uint64_t frames = 0;                    ///< that the sink got
-  double p50_ms = 0, p99_ms = 0, most_ms = 0;  ///< mid-exposure to sink, in the time of the host
-  double resident_mb = 0;                      ///< at its end
+  std::uint64_t frames = 0;                    ///< frames that the sink got
+  double p50_ms = 0, p99_ms = 0, most_ms = 0;  ///< mid-exposure to sink, in host time
+  double resident_mb = 0;                      ///< resident memory at the end of the part
 };
 
 struct SoakReport {
@@ -60,23 +60,25 @@ struct SoakReport {
   std::vector<SoakPart> parts;
   double speed = 1, real_s = 0;
   std::uint64_t exposed = 0;   ///< pictures of the colour camera
-  std::uint64_t before = 0;    ///< before the first composite: the background is learned
+  std::uint64_t before = 0;    ///< before the first composite: the background is being learned
   std::uint64_t shown = 0;     ///< composites that the sink got
-  std::uint64_t overrun = 0;   ///< no buffer was free
-  std::uint64_t unpaired = 0;  ///< without depth in time, or dropped before they were read
-  std::uint64_t dropped_before = 0, dropped_after = 0;  ///< of the queues about the compositor
+  std::uint64_t overrun = 0;   ///< pictures lost because no buffer was free
+  std::uint64_t unpaired = 0;  ///< pictures without depth in time, or dropped before they were read
+  std::uint64_t dropped_before = 0,
+                dropped_after = 0;  ///< dropped by the queues before and after the compositor
   RunReport run;
 
-  /// Exposed since the first composite, and neither shown nor counted by name.
+  /// Number of pictures since the first composite that were neither shown nor counted by name.
   std::int64_t unexplained() const;
-  /// Median delay of the last quarter less that of the second: the first one warms up.
+  /// Median delay of the last quarter less that of the second quarter, since the first one warms
+  /// up.
   double drift_ms() const;
-  /// Resident memory likewise.
+  /// Resident memory of the last quarter less that of the second.
   double growth_mb() const;
 };
 
-/// Errors: kUsage for a duration or speed out of range; those of scene, take and run(). `stop` ends
-/// it early; then the report is of what was done.
+/// Runs the test. Errors: kUsage for a duration or speed out of range; those of scene, take and
+/// run(). `stop` ends it early; the report then covers the frames so far.
 Result<SoakReport> soak(const SoakOptions& options, const std::atomic<bool>& stop,
                         const ProgressFn& progress);
 

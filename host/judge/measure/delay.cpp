@@ -75,7 +75,7 @@ std::vector<Sample> within(std::span<const Sample> seen, double first_s, double 
   return used;
 }
 
-/// Where the correlation is largest on a grid.
+/// Delay with the largest correlation on a grid.
 double best_on_grid(const Signal& truth, std::span<const Sample> seen, double most_s) {
   double best_s = 0, best = -1;
   for (double delay_s = 0; delay_s <= most_s; delay_s += kStep_s)

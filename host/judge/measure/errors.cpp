@@ -57,7 +57,7 @@ void add_depth(const ResultImages& r, const TruthImages& t, ErrorSums& sums) {
   }
 }
 
-/// Where both show what is real.
+/// Adds errors of the mixed depth where composite and truth both show the real scene.
 void add_mixed_depth(const ResultImages& r, const TruthImages& t, ErrorSums& sums) {
   if (r.mixed_depth_m.size.empty()) return;
   for (int y = 0; y < t.labels.size.height; ++y) {

@@ -14,7 +14,7 @@ namespace mixrig::measure {
 /// Bits of a truth label, as in a take's truth/labels.
 inline constexpr std::uint8_t kLayerMask = 3;  ///< visible layer: 0 background, 1 person, 2 virtual
 inline constexpr std::uint8_t kLayerPerson = 1, kLayerVirtual = 2;
-/// Light below this is shadow.
+/// Light below this value counts as shadow.
 inline constexpr float kInShadow = 0.98F;
 /// Width of the people's band on either side of the true border.
 inline constexpr int kBand_px = 8;
@@ -24,12 +24,13 @@ inline constexpr std::uint8_t kInSilhouette = 8;  ///< inside the virtual object
 /// Results of the compositor for a frame. All images of a frame, these and the truth, have one
 /// size.
 struct ResultImages {
-  ImageView<const Rgb8> color;             ///< composite, sRGB
-  ImageView<const float> warped_depth_m;   ///< 0 unknown
-  ImageView<const std::uint8_t> matte;     ///< people, 255 = all
-  ImageView<const float> light;            ///< 0..1
-  ImageView<const std::uint8_t> layer;     ///< visible: 0 background, 1 person, 2 virtual
-  ImageView<const float> mixed_depth_m{};  ///< of that layer, 0 unknown; empty: it is not judged
+  ImageView<const Rgb8> color;            ///< composite, sRGB
+  ImageView<const float> warped_depth_m;  ///< 0 unknown
+  ImageView<const std::uint8_t> matte;    ///< people, 255 = all
+  ImageView<const float> light;           ///< 0..1
+  ImageView<const std::uint8_t> layer;    ///< visible: 0 background, 1 person, 2 virtual
+  ImageView<const float>
+      mixed_depth_m{};  ///< depth of the visible layer, 0 unknown; empty: not judged
 };
 
 /// Ground truth of a frame.
@@ -37,7 +38,7 @@ struct TruthImages {
   ImageView<const Rgb8> color;
   ImageView<const float> depth_m;  ///< real scene, 0 where nothing is
   ImageView<const std::uint8_t> matte;
-  ImageView<const float> light;  ///< light with / light without virtual objects
+  ImageView<const float> light;  ///< light with virtual objects over light without them
   ImageView<const std::uint8_t> labels;
 };
 
@@ -51,7 +52,7 @@ struct Sum {
   }
 };
 
-/// Sums of what is judged in any set of pixels: key, light and colour.
+/// Sums over any set of pixels: key, light and colour.
 struct PixelSums {
   Sum matte_square, light_square, color_square;
   std::uint64_t key_intersection = 0, key_union = 0;
@@ -61,7 +62,7 @@ struct PixelSums {
 struct ErrorSums {
   Sum depth_abs_m, depth_bad, band_bad, order_wrong, light_shadow_square;
   Sum hidden_share;  ///< 1 for a pixel whose surface the ToF camera does not see, else 0
-  Sum hidden_bad, hidden_wrong;  ///< over those
+  Sum hidden_bad, hidden_wrong;  ///< sums over the pixels whose surface the ToF camera does not see
   Sum mixed_bad, mixed_hidden_wrong;
   Sum object_square;         ///< sRGB values
   Sum object_linear_square;  ///< linear light, 0..1
@@ -78,17 +79,17 @@ struct Errors {
   std::optional<double> order_wrong_pct, light_rmse, light_shadow_rmse;
   std::optional<double> color_psnr_db;  ///< kEqualPsnr_db where not a single value differs
   std::optional<double> object_rmse, object_psnr_db;
-  /// The same over contested pixels alone.
+  /// Measures over contested pixels alone.
   struct Contested {
     std::optional<double> pixels_pct;  ///< share of the pixels
     std::optional<double> key_iou, matte_mse, light_rmse, color_psnr_db;
   } contested;
-  /// look_of(): noise of 255 at equal brightness, and sharpness, 1: as the truth.
+  /// Results of look_of(). Noise is of 255 at equal brightness; sharpness 1 equals the truth.
   struct Look {
     std::optional<double> real_noise, virtual_noise;
     std::optional<double> real_sharpness, virtual_sharpness, outline_sharpness;
   } look;
-  /// Wrong pieces a frame, by ScrapJudge; `largest_px` is that of all frames.
+  /// Wrong pieces per frame, by ScrapJudge; `largest_px` is the largest of all frames.
   struct Scraps {
     std::optional<double> person_through_object, object_through_person, room_through, over_room;
     std::optional<double> pixels, largest_px, changed_pixels, specks, ghost_pixels;
@@ -104,9 +105,9 @@ inline constexpr double kEqualPsnr_db = 100.0;
 Result<void> add_frame(const ResultImages& result, const TruthImages& truth, ErrorSums& sums);
 Errors errors_of(const ErrorSums& sums);
 
-/// 1 where a compositor can be wrong, by the truth alone: inside the silhouette of the virtual
-/// objects, in their true shadow (light below kInShadow), or within kBand_px of the people's
-/// border.
+/// Mask of the pixels that a compositor can get wrong, by the truth alone: 1 inside the silhouette
+/// of the virtual objects, in their true shadow (light below kInShadow), or within kBand_px of the
+/// people's border; else 0.
 Image<std::uint8_t> contested(const TruthImages& truth);
 
 }  // namespace mixrig::measure

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How steady the matte is from one frame to the next, against the true one.
+// Steadiness of the matte from frame to frame, against that of the true matte.
 #pragma once
 
 #include <cstdint>
@@ -14,20 +14,21 @@ namespace mixrig::measure {
 /// thread.
 class MatteFlicker {
  public:
-  /// True mattes that differ by no more are still, of 255.
+  /// A pixel is still if its true matte changes by no more than this, of 255.
   static constexpr int kStill = 2;
 
-  /// Mattes of one size, people = 255, of the next frame. A frame of another size begins anew.
+  /// Adds the next frame: mattes of one size, people = 255. A frame of another size begins anew.
   void add(ImageView<const std::uint8_t> matte, ImageView<const std::uint8_t> true_matte);
-  /// Root mean square of the matte's change where the true matte stands still, 0..1; nothing where
+  /// Root mean square of the matte's change where the true matte stands still, 0..1; nullopt where
   /// no pixel could be judged.
   std::optional<double> still() const;
-  /// The same of what the change is off the true one, still or moving: the dtSSD of Erofeev,
-  /// Gitman, Vatolin, Fedorov and Wang 2015.
+  /// Root mean square difference between the matte's change and the true one's, still or moving:
+  /// the dtSSD of Erofeev, Gitman, Vatolin, Fedorov and Wang 2015. nullopt where no pixel could be
+  /// judged.
   std::optional<double> all() const;
 
  private:
-  Image<std::uint8_t> matte_, true_matte_, band_;  ///< of the frame before
+  Image<std::uint8_t> matte_, true_matte_, band_;  ///< images of the frame before
   Sum still_square_, square_;
 };
 

@@ -14,7 +14,7 @@ constexpr std::uint64_t kLeast = 60;  // values that a bin needs
 
 int luma(Rgb8 c) { return (77 * c.r + 150 * c.g + 29 * c.b) / 256; }
 
-/// Of a pixel and its eight neighbours.
+/// Properties of a pixel and its eight neighbours.
 struct Around {
   bool real = true, is_virtual = true, mixed = false;  ///< one layer, in composite and truth alike
   int least = 255, most = 0;                           ///< luma of the truth

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether virtual things look as the camera shows real ones: as noisy, and as sharp.
-// CONVENTIONS.md, "Measures against truth", defines each.
+// Judges whether virtual objects are as noisy and as sharp as the camera shows real ones.
+// CONVENTIONS.md, "Measures against truth", defines the measures.
 #pragma once
 
 #include <array>
@@ -9,11 +9,12 @@
 
 namespace mixrig::measure {
 
-/// Running sums over the frames of a run, and the frame before.
+/// Running sums over the frames of a run, and the last frame's images.
 struct LookSums {
-  static constexpr std::size_t kBins = 16;  ///< of the true luma
+  static constexpr std::size_t kBins = 16;  ///< classes of true luma
   std::array<Sum, kBins> real_noise, virtual_noise;
-  /// Of the composite's gradient on the true one: products, and squares of the true one.
+  /// Regression of the composite's gradient on the true one: sums of products, and of squares of
+  /// the true one.
   struct Slope {
     double products = 0, squares = 0;
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where something moves in a picture, told by its pixels.
+// Finds where something moves in a picture, by comparing pixels.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 namespace mixrig::measure {
 
-/// The mean column of the pixels that differ from a picture without what moves, by more than 90 of
-/// 765 (red, green and blue together). Nothing where those are fewer than 0.1 % or the sizes
-/// differ. Every second pixel and row is looked at, but for those that `left_out` marks (not 0; it
+/// Mean column of the pixels that differ by more than 90 of 765 (red, green and blue together) from
+/// `empty`, a picture without the moving thing. nullopt where these are fewer than 0.1 % or the
+/// sizes differ. Checks every second pixel and row, except those that `left_out` marks (not 0; it
 /// may be empty).
 std::optional<double> changed_column(ImageView<const Rgb8> picture, ImageView<const Rgb8> empty,
                                      ImageView<const std::uint8_t> left_out = {});

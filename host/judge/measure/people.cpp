@@ -70,7 +70,8 @@ void PeopleJudge::add(std::span<const PersonThere> there, std::span<const Person
   }
 }
 
-/// Of somebody visible; judged as soon as somebody new would have to be found.
+/// Counts an occlusion of a visible person, and judges it as soon as a new person would have to be
+/// found.
 void PeopleJudge::count_occlusion(Known& known, double time_s) {
   const double since_s = time_s - known.seen_s;
   if (known.visible_frames == 1 && since_s >= kShortest_s && since_s <= kLongest_s)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Errors of a room's light against the light of the room, in all directions around one place.
+// Errors of the light in a room model against the true light, in all directions around one place.
 #pragma once
 
 #include <cstddef>
@@ -8,12 +8,12 @@
 
 namespace mixrig::measure {
 
-/// Size of the error of luminance over the true one, percent; quantiles of solid angle.
+/// Absolute error of luminance over the true luminance, percent; quantiles of solid angle.
 struct LightError {
   std::size_t places = 0;
   double p50_pct = 0, p95_pct = 0;
-  double bias_pct = 0;       ///< median with its sign
-  double saturated_pct = 0;  ///< of the places, flagged as a lower limit; not in the errors
+  double bias_pct = 0;       ///< median of the signed error
+  double saturated_pct = 0;  ///< places flagged as a lower limit; the errors leave them out
 };
 
 struct RoomLightErrors {
@@ -22,9 +22,9 @@ struct RoomLightErrors {
   LightError dim;     ///< 0.01 to 0.25
 };
 
-/// Pictures as in room_errors(), of one size; `model` is negative where it is not known,
-/// `saturated` 1 where it is a lower limit. A place counts where the true luminance differs by less
-/// than 10 % within three pixels: borders are those of the geometry.
+/// Compares pictures of one size, laid out as in room_errors(). `model` is negative where unknown,
+/// `saturated` 1 where the model is a lower limit. A place counts where the true luminance differs
+/// by less than 10 % within three pixels; errors at borders are errors of the geometry.
 RoomLightErrors room_light_errors(ImageView<const float> model, ImageView<const float> saturated,
                                   ImageView<const float> truth);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Slip: how far a point of the world is drawn from where the true pose of the camera shows it. Has
-// a projection of its own.
+// Slip: distance in the picture between where a point of the world is drawn and where the true
+// camera pose shows it. Has a projection of its own.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ struct IdealView {
   double fx_px = 0, fy_px = 0, cx_px = 0, cy_px = 0;
 };
 
-/// Where a camera shows a point of the world; nullopt for a point less than 1 cm before it.
+/// Pixel where a camera shows a point of the world; nullopt for a point less than 1 cm ahead of it.
 std::optional<PixelPoint> pixel_of(const Point3& world_m, const CameraPlace& world_from_camera,
                                    const IdealView& view);
 
@@ -44,7 +44,7 @@ class SlipSums {
   /// Adds the distance of one point, px.
   void add(double distance_px);
   std::uint64_t count() const { return distances_.count(); }
-  double rms_px() const;  ///< 0 of nothing
+  double rms_px() const;  ///< 0 without points
   double quantile_px(double q) const { return distances_.quantile(q); }
   double max_px() const { return distances_.max(); }
 

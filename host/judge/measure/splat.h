@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth samples drawn into another view the plain way: each as a square of its own footprint,
+// Draws depth samples into another view in a plain way: each as a square of its own footprint,
 // nearest wins. Shares nothing with the compositor's warp.
 #pragma once
 
@@ -21,9 +21,10 @@ struct Motion {
   Point3 translation_m{};
 };
 
-/// Draws samples (z in metres; 0, negative or not finite: unknown) into `out_m`, whose size is that
-/// of the view; what no nearer sample reaches stays, 0 is nothing. `rays` has the size of `z_m`. A
-/// square is as wide as a sample is from its right or lower neighbour, at least one pixel.
+/// Draws samples (z in metres; 0, negative or not finite: unknown) into `out_m`, which has the size
+/// of the view and may hold depth already: a pixel changes only where a sample is nearer, and 0 is
+/// empty. `rays` has the size of `z_m`. A square is as wide as a sample's distance from its right
+/// or lower neighbour, at least one pixel.
 void splat(ImageView<const float> z_m, ImageView<const Ray> rays, const Motion& view_from_samples,
            const IdealView& view, ImageView<float> out_m);
 

@@ -21,7 +21,7 @@ constexpr std::size_t kBytesOfPixel = sizeof(Rgb8) + sizeof(float);
 CompositeRecorder::CompositeRecorder(const Session& session, fs::path folder)
     : session_(session), folder_(std::move(folder)) {}
 
-/// What runs is kept.
+/// Ends a running recording and keeps it.
 CompositeRecorder::~CompositeRecorder() { (void)stop(); }
 
 page::RecordingState CompositeRecorder::state() const {
@@ -82,7 +82,7 @@ Result<void> CompositeRecorder::open(const std::string& name) {
   return {};
 }
 
-/// Of what FilesSink writes; the frame's own buffers go back to the run.
+/// Copies the images that FilesSink writes; the frame's own buffers go back to the run.
 output::CompositePtr CompositeRecorder::copy(const output::Composite& from) {
   const capture::Capture& seen = *from.capture;
   auto values = std::make_shared<capture::Capture>();
@@ -139,7 +139,8 @@ void CompositeRecorder::run() {
   }
 }
 
-/// What waits is lost. Of the thread, or while it does not run.
+/// Ends the recording with an error; frames that wait are lost. Called by the thread, or while it
+/// does not run.
 void CompositeRecorder::give_up(const Error& error) {
   {
     const std::lock_guard lock(queue_mutex_);

@@ -146,7 +146,7 @@ Result<void> OperatorDesk::record(const page::StartRecording* start) {
   return done;
 }
 
-/// Those of keys; a fault that has ended a recording is told, too.
+/// Follows record orders given by keys; also reports an error that has ended a recording.
 void OperatorDesk::obey_record_orders() {
   const std::unique_lock lock(record_mutex_, std::try_to_lock);
   if (!lock) return;  // one begins or ends now

@@ -36,12 +36,12 @@ class OperatorDesk final : public page::Operator {
 
   /// A sink of the run that sees and records every frame.
   std::unique_ptr<output::CompositeSink> make_sink();
-  /// wanted() and see() are called by that sink.
+  /// Called by that sink only.
   render::OutputMask wanted() const;
   void see(const output::CompositePtr& composite);
 
  private:
-  /// Numbers of the last frame and of the last second.
+  /// Figures of the last frame and of the last second.
   struct Frames {
     std::uint64_t count = 0;
     int number = 0;
@@ -69,7 +69,7 @@ class OperatorDesk final : public page::Operator {
   SceneDesk scene_;
   CompositeRecorder recorder_;
   std::mutex record_mutex_;                             ///< held while a recording begins or ends
-  std::atomic<bool> zoomed_ = false, focused_ = false;  ///< moved in this run
+  std::atomic<bool> zoomed_ = false, focused_ = false;  ///< the lens was moved in this run
   mutable std::mutex mutex_;                            ///< guards the members below
   Frames frames_;
   RoomSweep sweep_;  ///< last: its thread uses the session

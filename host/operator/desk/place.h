@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An object of a scene set on the surface under a pixel.
+// Sets an object of a scene on the surface under a pixel.
 #pragma once
 
 #include <optional>
@@ -14,12 +14,11 @@ namespace mixrig::session {
 
 struct PlaceOptions {
   SessionOptions session;
-  int frame = 1;                  ///< whose depth is looked at
+  int frame = 1;                  ///< frame whose depth is used
   model::Click click;             ///< pixels of the view
-  std::string object;             ///< empty: the scene's only one
+  std::string object;             ///< empty: the only object of the scene
   double turn_rad = 0;            ///< about the normal, counter-clockwise seen from its tip
-  Eigen::Vector2d slide_m{0, 0};  ///< in the plane: to the right, and away from the camera
-                                  ///< (on a wall: up)
+  Eigen::Vector2d slide_m{0, 0};  ///< in the plane: to the right, and away from the camera or up
   std::filesystem::path drawing;  ///< PNG of the plate with the plane; empty: none
 };
 
@@ -30,20 +29,20 @@ struct Placement {
   geometry::Pose world_from_object;
 };
 
-/// Axes of what stands on a plane: z along `normal`; y away from the eye (on a plane steeper than
-/// 45 degrees: up), turned about z by `turn_rad`. World axes. Pure.
+/// Rotation of an object that stands on a plane: z along `normal`; y away from the camera (on a
+/// plane steeper than 45 degrees: up), turned about z by `turn_rad`. `sight`: direction of view.
+/// World axes. Pure.
 Eigen::Quaterniond rotation_on_plane(const Eigen::Vector3d& normal, const Eigen::Vector3d& sight,
                                      double turn_rad);
 
-/// Of an object whose lowest vertex lies on the plane, its origin above the click; turned and slid
-/// as PlaceOptions say. World axes. Pure.
+/// Pose of an object whose lowest vertex lies on the plane and whose origin is above the click,
+/// turned and shifted as PlaceOptions say. World axes. Pure.
 geometry::Pose pose_on_plane(const scene::Object& object, const model::ClickedPlane& plane,
                              const geometry::Pose& world_from_view, double turn_rad,
                              const Eigen::Vector2d& slide_m);
 
-/// The object as pose_on_plane() has it. Errors: those of
-/// the session; kUsage for an object that is not there; kData where the plane is refused, saying
-/// why, and where the frame has no pose.
+/// Places the object by pose_on_plane(). Errors: those of the session; kUsage for an object that
+/// does not exist; kData where no plane is found, with the reason, and where the frame has no pose.
 Result<Placement> place_object(const PlaceOptions& options);
 
 /// {"object", "position_m", "rotation_xyzw", "normal", "normal_sigma_deg", "offset_sigma_mm",

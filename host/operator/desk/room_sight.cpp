@@ -31,7 +31,7 @@ geometry::Pinhole window_around(geometry::Pinhole view, const Eigen::Vector2d& p
   return view;
 }
 
-/// The same field as `view` with pixels no finer than those of `camera`.
+/// Pinhole with the field of view of `view` and pixels no finer than those of `camera`.
 geometry::Pinhole as_fine_as(const geometry::Pinhole& camera, geometry::Pinhole view) {
   const double scale = std::min(1.0, camera.fx_px / view.fx_px);
   view.size_px = {std::max(1, static_cast<int>(std::lround(view.size_px.width * scale))),

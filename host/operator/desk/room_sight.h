@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Intersects the sight through a place in the picture with the room's surface, or with a level.
+// Intersects the ray of sight through a place in the picture with the room's surface, or with a
+// level.
 #pragma once
 
 #include <optional>
@@ -21,24 +22,26 @@ struct SeenFrom {
   geometry::Pinhole view;
 };
 
-/// The point of a horizontal level that is seen at a place in the picture (0..1 of width and
-/// height). Errors: kData where the sight does not reach it within 100 m.
+/// Point of a horizontal level at a place in the picture (0..1 of width and height). `level_m`:
+/// height of the level in the world. Errors: kData where the ray of sight does not reach it within
+/// 100 m.
 Result<Eigen::Vector3d> point_on_level(const SeenFrom& from, const Eigen::Vector2d& at,
                                        double level_m);
 /// Place of a world point in the picture, 0..1; nullopt behind the camera or outside.
 std::optional<Eigen::Vector2d> place_in_picture(const SeenFrom& from,
                                                 const Eigen::Vector3d& p_world);
 
-/// The point of the empty room that is seen at a place in the picture, by the background that the
-/// session began with. Where its depth is not known (a lamp blinds the depth camera) that of the
-/// nearest pixel within 20 px is used. Takes some tens of milliseconds. Errors: kUnsupported where
+/// Point of the empty room at a place in the picture, by the background that the session began
+/// with. Where its depth is unknown (a lamp blinds the depth camera), the depth of the nearest
+/// known pixel within 20 px is used. Takes some tens of milliseconds. Errors: kUnsupported where
 /// the session has no background, kData where no surface is known there.
 Result<Eigen::Vector3d> point_on_room(const Session& session, const SeenFrom& from,
                                       const Eigen::Vector2d& at);
 
-/// The plane of the empty room under a place in the picture, by the same background at the depth
-/// camera's resolution. Takes as long as point_on_room() for each of its pixels once. Errors:
-/// kUnsupported where the session has no background, kData where no plane is there, saying why.
+/// Plane of the empty room at a place in the picture, by the background that the session began
+/// with, at the depth camera's resolution. Takes as long as one point_on_room() for all its pixels.
+/// Errors: kUnsupported where the session has no background, kData where there is no plane, with
+/// the reason.
 Result<model::ClickedPlane> plane_on_room(const Session& session, const SeenFrom& from,
                                           const Eigen::Vector2d& at);
 

@@ -27,7 +27,7 @@ std::string free_room_name(const fs::path& rooms) {
   }
 }
 
-/// Where the head stood before it puts it back there.
+/// Remembers the head's angles, and returns the head to them.
 class HeadPlace {
  public:
   explicit HeadPlace(live::RunningRig& rig) : rig_(rig) { rig_.listen(true); }
@@ -146,8 +146,8 @@ void RoomSweep::work(const page::StartSweep& wanted, const fs::path& folder) {
   log_warning("session", "the room was not scanned: " + state_.error);
 }
 
-/// What a camera adjusts by itself is held from now on, so that the views look alike: setting a
-/// value ends its adjusting.
+/// Holds the cameras' automatic values from now on, so that the views look alike: setting a value
+/// ends its automatic control.
 void RoomSweep::hold_colors() const {
   if (!session_.cameras) return;
   const auto cameras = session_.cameras->cameras();

@@ -14,9 +14,10 @@
 
 namespace mixrig::session {
 
-/// Turns the head through the views of a sweep, takes them from the frames of the run, puts the
-/// head back, models the room in a thread of low priority and makes it the background in the
-/// scene's file, which counts at the next start. Rooms lie in rooms/ beside the scene. Any threads.
+/// Turns the head through the views of a sweep, takes them from the frames of the run, and returns
+/// the head. Models the room in a low-priority thread and writes it as background into the scene's
+/// file, where it takes effect at the next start. Rooms are written to rooms/ beside the scene.
+/// Thread-safe.
 class RoomSweep {
  public:
   /// All arguments must outlive it; `scene` must belong to the session.
@@ -27,8 +28,9 @@ class RoomSweep {
   RoomSweep(const RoomSweep&) = delete;
   RoomSweep& operator=(const RoomSweep&) = delete;
 
-  /// Errors: kUnsupported where this run cannot, with the reason; kData while one is at work;
-  /// kUsage where the room is there already. What the sweep itself meets is told by state().
+  /// Starts a sweep. Errors: kUnsupported where this run cannot sweep, with the reason; kData while
+  /// a sweep runs; kUsage where the room exists already. Errors of the sweep itself are reported by
+  /// state().
   Result<void> start(const page::StartSweep& wanted);
   /// Ends the sweep and removes its views. Errors: kData if no head is being turned.
   Result<void> cancel();

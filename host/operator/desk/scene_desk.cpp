@@ -47,7 +47,7 @@ const scene::Scene& SceneDesk::shown_scene(const EditedScenePtr& newest) const {
   return newest ? newest->scene : session_.scene;
 }
 
-/// Those of an older version of the scene are gone: the follower has dropped them.
+/// Current previews. Those of an older version of the scene are dropped, as by the follower.
 SceneDesk::Previews SceneDesk::previews() const {
   const EditedScenePtr now = follower_->newest();
   const std::lock_guard lock(mutex_);

@@ -16,9 +16,9 @@
 
 namespace mixrig::session {
 
-/// The scene file is the truth: a change is written into it whole or not at all, its other text
-/// stays, and the run follows the file. Previews are shown without being written, until the file is
-/// read again. Any threads: of several desks on one follower each waits for the others.
+/// Writes each change into the scene file whole or not at all; its other text stays, and the run
+/// follows the file. Previews are shown without being written, until the file is read again.
+/// Thread-safe; several desks on one follower wait for each other.
 class SceneDesk {
  public:
   SceneDesk(const Session& session, std::shared_ptr<SceneFollower> follower);

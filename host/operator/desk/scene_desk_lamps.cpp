@@ -13,7 +13,7 @@ namespace mixrig::session {
 
 using Eigen::Vector3d;
 
-/// As they are shown.
+/// Lamps as they are shown.
 std::vector<scene::Lamp> SceneDesk::lamps_of(const scene::Scene& scene) const {
   const Previews shown = previews();
   std::vector<scene::Lamp> lamps = scene.light.lamps;

@@ -196,7 +196,7 @@ void Connection::act(Action action) {
   });
 }
 
-/// What the client still sends is read for a while, so that the answer is not lost with a reset.
+/// Reads for a while what the client still sends, so that the answer is not lost with a reset.
 void Connection::drain() {
   buffer_.clear();
   stream_.async_read_some(buffer_.prepare(kMostBuffer),

@@ -18,13 +18,13 @@
 
 namespace mixrig::page {
 
-/// Reads requests one after the other, and answers them. On the server's thread.
+/// Reads requests one after the other, and answers them. Used on the server's thread.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(Hub& hub, boost::asio::ip::tcp::socket socket);
   ~Connection();
   void read_header();
-  /// Answers and closes.
+  /// Sends the answer and closes the connection.
   void turn_away(const Answer& answer);
 
  private:
@@ -45,7 +45,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> body_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::file_body>> upload_;
   boost::beast::http::response<boost::beast::http::string_body> response_;
-  std::filesystem::path folder_;  ///< of the upload; empty: none
+  std::filesystem::path folder_;  ///< folder of the upload; empty: none
 };
 
 }  // namespace mixrig::page

@@ -9,7 +9,8 @@
 
 namespace mixrig::page {
 
-/// A client that is slow to read misses values in between, and is told the newest.
+/// Sends the state to one client. A client that reads slowly misses values in between, and gets the
+/// newest.
 class EventSocket final : public TextSocket {
  public:
   EventSocket(Hub& hub, boost::beast::tcp_stream stream);

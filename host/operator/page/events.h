@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages of the event socket, in the shape that Blackmagic's cameras have made common. Pure.
+// Messages of the event socket, in the format of Blackmagic's cameras. Pure.
 #pragma once
 
 #include <functional>
@@ -15,16 +15,17 @@ namespace mixrig::page {
 
 inline constexpr std::size_t kMostMessage = 4096;
 
-/// What one client has subscribed to: "/objects" for the part "objects".
+/// Parts that one client has subscribed to: "/objects" for the part "objects".
 class Subscriptions {
  public:
-  /// The answer to a message: to subscribe, unsubscribe ({"properties": ["/view", ...]} or ["*"]),
-  /// listSubscriptions, listProperties; "time" gives the host's clock, by which the age of a
-  /// picture is told. Anything else is answered with success false and why. `state` as to_json().
+  /// Answers a message: subscribe, unsubscribe ({"properties": ["/view", ...]} or ["*"]),
+  /// listSubscriptions or listProperties; "time" returns the host's clock, from which clients
+  /// compute the age of a picture. Other messages are answered with success false and the reason.
+  /// `state`: as from to_json().
   std::string answer(std::string_view message, const nlohmann::json& state, double host_ms);
   bool has(std::string_view part) const { return parts_.contains(part); }
-  /// Parts that were subscribed to and whose values are not those that were told last; then they
-  /// count as told. Memory: one hash a part.
+  /// Subscribed parts whose values differ from those last sent; they count as sent from then on.
+  /// Keeps one hash for each part.
   std::vector<std::string> changed(const nlohmann::json& state);
 
  private:
@@ -37,7 +38,8 @@ class Subscriptions {
 
 /// The first message of a socket.
 std::string opened_message();
-/// {"type": "event", "data": {"action": "propertyValueChanged", "property": "/view", "value": ...}}
+/// Event of a changed part: {"type": "event", "data": {"action": "propertyValueChanged",
+/// "property": "/view", "value": ...}}
 std::string changed_message(std::string_view part, const nlohmann::json& value);
 
 }  // namespace mixrig::page

@@ -14,7 +14,7 @@ struct File {
 };
 const std::vector<File>& all_files();
 
-/// 404 for a name that is not there.
+/// Answer with the file; 404 for an unknown name.
 Answer file_answer(std::string_view name);
 
 }  // namespace mixrig::page

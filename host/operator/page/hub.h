@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the connections of the page share. All but the pictures belongs to the server's thread.
-// Private to this module.
+// State that the connections of the page share. All but the pictures belongs to the server's
+// thread. Private to this module.
 #pragma once
 
 #include <functional>
@@ -27,12 +27,12 @@ class PictureStream;
 class WebrtcPeer;
 class WebrtcSocket;
 
-/// The way to the server's thread for threads that may outlive it.
+/// Posts work to the server's thread from threads that may outlive it.
 class Outlet {
  public:
   explicit Outlet(boost::asio::io_context& io) : io_(&io) {}
   void post(std::function<void()> work);
-  /// Nothing is posted after it.
+  /// Stops posting: later work is dropped.
   void close();
 
  private:
@@ -47,15 +47,15 @@ struct Hub {
         clock(host_clock),
         pictures(std::make_shared<Pictures>(run_orders)) {}
 
-  /// Of the run and the page, now.
+  /// Current state of the run and of the page.
   nlohmann::json state() const;
-  /// Runs an action: those of the run in the work thread, one at a time; of more than 64 that wait
-  /// the last are refused (kData). `done` is called on the
-  /// server's thread.
+  /// Runs an action. Orders are given at once; commands run in the work thread, one at a time, and
+  /// are refused (kData) while 64 wait. `done` is called on the server's thread.
   void act(Action action, std::function<void(Result<void>)> done);
-  /// Tells every event socket, and who sends OSC, what changed.
+  /// Sends what changed to every event socket and to the control surfaces that use OSC.
   void tell();
-  /// Frees it in `peer_work`, and then its place among `peers`; null: the place alone.
+  /// Destroys the peer in `peer_work`, then frees its place among `peers`; null frees the place
+  /// only.
   void end_peer(std::shared_ptr<WebrtcPeer> peer);
 
   Operator& op;
@@ -67,8 +67,8 @@ struct Hub {
   std::set<EventSocket*> sockets;
   std::set<PictureStream*> streams;
   std::set<WebrtcSocket*> peer_sockets;
-  int peers = 0;           ///< WebRTC's, with those that begin or end
-  OscPort* osc = nullptr;  ///< null: none is taken
+  int peers = 0;           ///< number of WebRTC peers, with those that begin or end
+  OscPort* osc = nullptr;  ///< null: OSC is not received
   int at_work = 0;         ///< commands that are not done yet
   boost::asio::io_context io{1};
   boost::asio::thread_pool work{1}, peer_work{1};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The JSON object of a request, read key by key; what is not read is refused. Pure.
+// Reads the JSON object of a request key by key; keys that nobody reads are refused. Pure.
 #pragma once
 
 #include <array>
@@ -17,12 +17,12 @@ namespace mixrig::page {
 
 bool is_utf8(std::string_view text);
 
-/// On one line; bytes that are no UTF-8 become U+FFFD.
+/// JSON on one line; bytes that are not UTF-8 become U+FFFD.
 std::string to_text(const nlohmann::json& json);
-/// JSON of an untrusted text, at most 8 deep. Errors: kUsage.
+/// Parses JSON from an untrusted text, at most 8 deep. Errors: kUsage.
 Result<nlohmann::json> parse_json(std::string_view text);
 
-/// Getters note the first fault, which done() gives. Keys that were not asked for are faults.
+/// Getters keep the first fault, which done() returns. Keys that no getter asked for are faults.
 class Body {
  public:
   /// An empty text is {}. Errors: kUsage.
@@ -48,10 +48,10 @@ class Body {
   std::optional<double> number(const char* key, double least, double most) const;
   std::optional<bool> boolean(const char* key) const;
   std::optional<std::string> text(const char* key, std::size_t most_bytes) const;
-  /// As is_name().
+  /// Text that is_name() accepts.
   std::optional<std::string> name(const char* key) const;
 
-  /// The first fault is kept.
+  /// Notes a fault; only the first one is kept.
   void fail(const std::string& key, const std::string& what) const;
   template <typename T>
   Result<T> done(T value) const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the operator's page needs of a run: its state, and the changes that it is asked for.
+// Interface between the operator's page and a run: the run's state, and the changes that the page
+// asks for.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +24,7 @@ struct ObjectState {
   double scale = 1;
   bool hidden = false;
   bool moves = false;                   ///< by physics: it cannot be dragged
-  std::optional<Eigen::Vector2d> at{};  ///< of its origin in the picture, 0..1 of width and height
+  std::optional<Eigen::Vector2d> at{};  ///< its origin in the picture, 0..1 of width and height
 };
 
 struct LampState {
@@ -46,7 +47,7 @@ struct StreamState {
 /// "gain", "focus", "white_balance_k", "zoom".
 struct CameraValue {
   std::string name;
-  std::optional<double> value;  ///< absent where the camera does not tell it
+  std::optional<double> value;  ///< absent where the camera does not report it
   double minimum = 0, maximum = 0, step = 0;
 };
 struct CameraState {
@@ -56,55 +57,55 @@ struct CameraState {
 
 struct RecordingState {
   bool on = false;
-  std::string name, notes;  ///< of the running or the last one
+  std::string name, notes;  ///< name and notes of the running recording, or of the last one
   std::uint64_t frames = 0, lost = 0;
   double seconds = 0;
-  std::string folder;  ///< of the last one that was finished
-  std::string error;   ///< of the last one, one line
+  std::string folder;  ///< folder of the last recording that was finished
+  std::string error;   ///< error of the last recording, one line
   bool possible = true;
 };
 
 enum class Verdict : std::uint8_t { kGo, kNoGo, kUnknown };
-/// Of a scan of the room while the run goes on.
+/// Learning of the whole room anew during the run.
 struct ScanState {
   bool possible = false;
-  int done = 0, total = 0;  ///< looks at the room; total 0: none is at work
+  int done = 0, total = 0;  ///< steps done and in all; total 0: no scan runs
   std::string why_not;      ///< one line, where it is not possible
 };
 
-/// Of a sweep of the head over the room while the run goes on.
+/// Sweep of the head over the room during the run.
 struct SweepState {
   enum class Phase : std::uint8_t { kIdle, kSweeping, kModelling };
   bool possible = false;
   std::string why_not;  ///< one line, where it is not possible
   Phase phase = Phase::kIdle;
-  std::string name;         ///< of the room that is made, or was made last
+  std::string name;         ///< name of the room that is being made, or was made last
   int done = 0, total = 0;  ///< views
-  double left_s = 0;        ///< until the last view, where it is known
-  std::string folder;       ///< of the room that was written last
-  std::string error;        ///< why the last one has none, one line
+  double left_s = 0;        ///< time until the last view; 0: unknown
+  std::string folder;       ///< folder of the room that was written last
+  std::string error;        ///< why the last sweep wrote no room, one line
 };
 
 /// Depth of field of the composite.
 struct FocusState {
   bool on = false;
-  std::optional<Eigen::Vector2d> at{};  ///< 0..1 of the picture: what is seen there is sharp
-  std::optional<double> distance_m{};   ///< or this distance
+  std::optional<Eigen::Vector2d> at{};  ///< 0..1 of the picture: the surface seen there is sharp
+  std::optional<double> distance_m{};   ///< distance that is sharp
   double f_number = 0;
 };
 
 struct CalibrationState {
-  std::string file, why;          ///< which one is used, and why
+  std::string file, why;          ///< calibration in use, and why it was chosen
   std::optional<double> age_s{};  ///< since the file was written
   Verdict verdict = Verdict::kUnknown;
-  std::string reason;  ///< of the verdict, one sentence
+  std::string reason;  ///< reason of the verdict, one sentence
 };
 
-/// Counts and values are those of the last frame.
+/// State of a run; counts and values are those of the last frame.
 struct State {
   std::string scene, source, backend;
-  bool live = false;          ///< devices; else a recording that is played
-  int width = 0, height = 0;  ///< of the picture
+  bool live = false;          ///< true: devices; false: a recording is played
+  int width = 0, height = 0;  ///< size of the picture
   std::uint64_t frames = 0;   ///< composited so far
   int frame = 0;              ///< number of the last capture
   double fps = 0;             ///< over the last second
@@ -119,27 +120,28 @@ struct State {
   ScanState scan;
   SweepState sweep;
   FocusState focus;
-  std::optional<double> disk_free_gb{};  ///< where recordings go
+  std::optional<double> disk_free_gb{};  ///< free space for recordings
   CalibrationState calibration;
   std::vector<StreamState> streams;
-  std::vector<CameraState> cameras;  ///< those with something to set
+  std::vector<CameraState> cameras;  ///< cameras with settings
   std::vector<ObjectState> objects;
   std::vector<LampState> lamps;
   std::vector<std::string> log;  ///< the last lines, the newest last
 };
 
-/// Changes of an object; what is absent stays.
+/// Changes an object; absent values stay.
 struct SetObject {
   std::string name;
   std::optional<Eigen::Vector3d> position_m{};
-  /// In the picture, 0..1: its origin goes to the point under it on the level that it stands on.
+  /// Place in the picture, 0..1: the object's origin moves to the point seen there, on its own
+  /// level.
   std::optional<Eigen::Vector2d> at{};
-  /// The same, but it is set on the room's surface that is seen there, along its normal; `turn_rad`
-  /// is about it then.
+  /// Place in the picture, 0..1: the object is set on the room's surface seen there, along its
+  /// normal, about which `turn_rad` then turns.
   std::optional<Eigen::Vector2d> onto{};
   std::optional<double> turn_rad{}, scale{};
   std::optional<bool> hidden{};
-  bool preview = false;  ///< shown, but not written into the scene
+  bool preview = false;  ///< shows the change without writing it into the scene
 };
 struct AddObject {
   std::string name;
@@ -154,8 +156,8 @@ struct SetLamp {
   std::optional<bool> on{};
   bool preview = false;
 };
-/// A lamp at `position_m`, or by its place in the picture: where the room's surface is seen there,
-/// or at a height along the sight, or above the floor under the place.
+/// Adds a lamp at `position_m`, or at a place in the picture: on the room's surface seen there, at
+/// a height along the ray of sight, or at a height above the floor under the place.
 struct AddLamp {
   std::string name;
   std::optional<Eigen::Vector3d> position_m{};
@@ -166,33 +168,33 @@ struct AddLamp {
 struct RemoveLamp {
   std::string name;
 };
-/// Values by the keys of rig.toml, in their units.
+/// Sets values by their keys in rig.toml, in their units.
 struct SetCamera {
   std::string name;
   std::vector<std::pair<std::string, double>> values;
-  bool preview = false;  ///< set, but not written into rig.toml
+  bool preview = false;  ///< sets the values without writing them into rig.toml
 };
-/// Previews are written into the scene.
+/// Writes previews into the scene.
 struct SaveScene {};
 struct StartRecording {
   std::string name, notes;
 };
 struct StopRecording {};
-/// What changed in the room becomes background.
+/// Takes changes of the room into the background.
 struct LearnBackground {};
-/// The whole room is learned anew while it is empty; or that is ended without a result.
+/// Learns the whole room anew while it is empty (`on`), or ends that without a result.
 struct ScanRoom {
   bool on = true;
 };
-/// The head turns over the room, whose model becomes the background of the next start.
+/// Sweeps the head over the room; its model becomes the background at the next start.
 struct StartSweep {
   std::string name;                     ///< a folder's; empty: "room 1", "room 2", ...
   Eigen::Vector2d field_deg{270, 180};  ///< pan x tilt
   int view_frames = 4;
 };
-/// Ends it without a result.
+/// Ends the sweep without a result.
 struct CancelSweep {};
-/// Depth of field; what is absent stays. At most one of `at` and `distance_m`.
+/// Changes the depth of field; absent values stay. At most one of `at` and `distance_m`.
 struct SetFocus {
   std::optional<bool> on{};
   std::optional<Eigen::Vector2d> at{};  ///< 0..1 of the picture: what is seen there is sharp
@@ -203,15 +205,15 @@ using Command = std::variant<SetObject, AddObject, RemoveObject, SetLamp, AddLam
                              SetCamera, SaveScene, StartRecording, StopRecording, LearnBackground,
                              ScanRoom, StartSweep, CancelSweep, SetFocus>;
 
-/// A run. Any threads.
+/// A run, as the page sees it. Thread-safe.
 class Operator {
  public:
   virtual ~Operator() = default;
-  /// Takes about a millisecond at most.
+  /// Current state; takes about a millisecond at most.
   virtual State state() const = 0;
-  /// May write files and take a second; one call at a time. Errors, one line each: kNotFound for an
-  /// object or lamp that is not there; kUsage, kFormat for values that cannot be; kUnsupported,
-  /// kData where this run cannot do it now; kIo.
+  /// Makes a change. May write files and take a second; one call at a time. Errors, one line each:
+  /// kNotFound for an unknown object or lamp; kUsage, kFormat for values out of range;
+  /// kUnsupported, kData where this run cannot do it now; kIo.
   virtual Result<void> apply(const Command& command) = 0;
 };
 

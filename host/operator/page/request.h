@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// HTTP requests as values: who may ask, what is asked, what is answered. Pure.
+// Checks and answers HTTP requests, as values: permission, target, answer. Pure.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@ namespace mixrig::page {
 
 enum class Method { kGet, kPut, kPost, kDelete, kOther };
 
-/// The parts of a request that decide; header fields are empty where they are absent.
+/// Parts of a request that matter here; absent header fields are empty.
 struct Request {
   Method method = Method::kGet;
   std::string target;
@@ -28,38 +28,39 @@ struct Answer {
   std::vector<std::pair<std::string, std::string>> headers{};
 };
 
-/// Who may use the page.
+/// Permission to use the page.
 struct Guard {
-  std::string token;  ///< empty: everybody on this machine, by a name of the loop-back address
+  std::string token;  ///< empty: only programs on this machine, by a name of the loop-back address
 };
 
-/// Headers of every answer: nothing from elsewhere is loaded, nobody else shows the page.
+/// Headers of every answer: nothing is loaded from elsewhere, and no other page embeds this one.
 const std::vector<std::pair<std::string, std::string>>& common_headers();
 
-/// `{"error": line}` with a status.
+/// Answer `{"error": line}` with a status.
 Answer refusal(int status, std::string_view line);
-/// The status that tells an error's code.
+/// Answer with the status of an error's code.
 Answer refusal(const Error& error);
 
-/// True where both are equal; takes the same time wherever they differ.
+/// Whether both are equal; takes the same time wherever they differ.
 bool equal_in_constant_time(std::string_view a, std::string_view b);
 
-/// Why the request is not served, if so: a Host that is not the loop-back address without a token
-/// (a name that somebody pointed at this machine), an Origin that is not the Host, a site that the
-/// browser says is another one (but for the page itself, which a link may lead to), a missing or
-/// wrong token, a change that is not JSON (or a model).
+/// Refusal of a request that must not be served, else nullopt. Without a token, a Host other than
+/// the loop-back address is refused (a foreign name that resolves to this machine). Also refused:
+/// an Origin that is not the Host; a site that the browser reports as another one, except for the
+/// page itself, which links may lead to; a missing or wrong token; a change that is neither JSON
+/// nor a model.
 std::optional<Answer> refuse(const Guard& guard, const Request& request);
 
-/// Where the page is opened with ?token=TOKEN that is right: the answer that sets the cookie and
-/// leads to the address without it.
+/// Answer to opening the page with the right ?token=TOKEN: sets the cookie and redirects to the
+/// address without it. 401 for a wrong token; nullopt for other requests.
 std::optional<Answer> first_visit(const Guard& guard, const Request& request);
 
-/// 128 bits of the kernel as 32 hexadecimal digits.
+/// 128 random bits of the kernel as 32 hexadecimal digits.
 std::string random_token();
 
-/// The parts of a target between its slashes, without its query, %XX decoded: {"api", "v1",
-/// "state"} of "/api/v1/state?x"; none of "/". Empty where it is damaged: no leading '/', a wrong
-/// or zero %XX, an empty part, longer than 512 bytes.
+/// Parts of a target between its slashes, without its query, %XX decoded: {"api", "v1", "state"}
+/// for "/api/v1/state?x"; empty for "/". nullopt for a malformed target: no leading '/', a wrong or
+/// zero %XX, an empty part, longer than 512 bytes.
 std::optional<std::vector<std::string>> path_of(std::string_view target);
 
 }  // namespace mixrig::page

@@ -156,7 +156,7 @@ void Server::Impl::tell_later() {
   });
 }
 
-/// What a handler throws (no memory) ends its connection alone.
+/// Serves until the end. An exception of a handler (no memory) only ends its connection.
 void Server::Impl::serve() {
   for (;;) {
     try {

@@ -20,36 +20,38 @@ inline constexpr std::uint16_t kDefaultPort = 8437, kDefaultOscPort = 8438;
 
 struct Listen {
   std::string address = "127.0.0.1";
-  std::uint16_t port = kDefaultPort;  ///< 0: one that is free
+  std::uint16_t port = kDefaultPort;  ///< 0: a free port is chosen
 };
 
-/// "", "ADDRESS", "ADDRESS:PORT", "[ADDRESS]:PORT", "localhost:PORT". Errors: kUsage.
+/// Parses "", "ADDRESS", "ADDRESS:PORT", "[ADDRESS]:PORT" or "localhost:PORT". Errors: kUsage.
 Result<Listen> parse_listen(std::string_view text);
-/// The same of --osc-in, and "PORT".
+/// Parses the address of --osc-in, which may also be "PORT". Errors: kUsage.
 Result<Listen> parse_osc_listen(std::string_view text);
 
-/// At most 16 connections, headers of 8 KiB, bodies of 64 KiB (a model: 64 MiB, into a temporary
-/// file), 30 s without a request. On the loop-back address the page is for this machine alone; on
-/// another one a token is needed, which url() has.
+/// Serves at most 16 connections, headers of 8 KiB, bodies of 64 KiB (a model: 64 MiB, into a
+/// temporary file), 30 s without a request. On the loop-back address the page is for this machine
+/// alone; on another one it needs a token, which url() contains.
 class Server {
  public:
-  /// With `osc_in` it takes OSC there too. `run` and `clock` outlive it, `orders` its sink too.
-  /// Errors: kUsage for an address that this machine does not have; kIo where the port is taken.
+  /// Starts serving; with `osc_in` it also receives OSC at that address. `run` and `clock` outlive
+  /// the server, `orders` also its sink. Errors: kUsage for an address that this machine does not
+  /// have; kIo where the port is taken.
   static Result<std::unique_ptr<Server>> start(Operator& run, output::RunOrders& orders,
                                                const Clock& clock, const Listen& listen,
                                                const std::optional<Listen>& osc_in = {});
-  /// Ends all connections, and a command that is at work.
+  /// Ends all connections and waits for a running command.
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// Where to open the page, with the token where one is needed.
+  /// Address of the page, with the token if one is needed.
   const std::string& url() const;
   std::uint16_t port() const;
-  /// "127.0.0.1:8438", and what addresses begin with: "/mixrig" or "/TOKEN/mixrig". Empty without.
+  /// Address for OSC and prefix of its messages: "127.0.0.1:8438, addresses begin with /mixrig/".
+  /// Empty without OSC.
   const std::string& osc_text() const;
   std::uint16_t osc_port() const;
-  /// The sink that the pictures come from. It may outlive the server.
+  /// Makes the sink that provides the pictures. It may outlive the server.
   std::unique_ptr<output::CompositeSink> make_sink() const;
 
  private:

@@ -11,7 +11,7 @@
 
 namespace mixrig::page {
 
-/// Which view is shown, whether it is frozen, and the number of clients.
+/// Shown view, whether it is frozen, and the number of clients.
 using output::View;
 struct PageState {
   View view = View::kComposite;
@@ -19,12 +19,13 @@ struct PageState {
   int clients = 0;
 };
 
-/// {"run", "picture", "pose", "recording", "background", "scan", "sweep", "focus", "disk",
-/// "calibration", "streams", "cameras", "objects", "lamps", "log", "view", "freeze", "clients"}:
-/// docs/reference/page_openapi.yaml. Numbers are rounded, so that what is the same is told once.
+/// State as an object with the keys "run", "picture", "pose", "recording", "background", "scan",
+/// "sweep", "focus", "disk", "calibration", "streams", "cameras", "objects", "lamps", "log",
+/// "view", "freeze", "clients" (docs/reference/page_openapi.yaml). Numbers are rounded, so that
+/// noise does not count as a change.
 nlohmann::json to_json(const State& state, const PageState& page);
 
-/// Whether it is one of the names above.
+/// Whether it is a key of to_json().
 bool is_part(std::string_view name);
 const std::vector<std::string_view>& parts();
 

@@ -16,8 +16,8 @@
 
 namespace mixrig::page {
 
-/// One that asks faster than it reads (64 messages wait) is closed. On the server's thread. It
-/// lives while it is read from or written to.
+/// Sends and receives text messages. A client that asks faster than it reads (64 messages wait) is
+/// disconnected. The object lives while it is read from or written to. Used on the server's thread.
 class TextSocket : public std::enable_shared_from_this<TextSocket> {
  public:
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
@@ -31,7 +31,7 @@ class TextSocket : public std::enable_shared_from_this<TextSocket> {
  protected:
   virtual void on_open() = 0;
   virtual void on_message(const std::string& message) = 0;
-  /// Called once, when the other side has gone or close() was called.
+  /// Called once, when the other side has closed or close() was called.
   virtual void on_end() {}
   boost::asio::ip::address local_address() const;
   bool writes() const { return !queue_.empty(); }

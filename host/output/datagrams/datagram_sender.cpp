@@ -45,7 +45,8 @@ DatagramSender::~DatagramSender() {
   if (fd_ >= 0) ::close(fd_);
 }
 
-/// Where nobody listens the next call says so, and the one after it is sent again.
+/// Sends without waiting. If nobody listens, the next call reports it, and the one after that sends
+/// again.
 void DatagramSender::send(std::string_view text) {
   const ssize_t size = ::send(fd_, text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
   ++(size == static_cast<ssize_t>(text.size()) ? sent_ : dropped_);

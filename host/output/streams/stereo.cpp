@@ -38,7 +38,7 @@ void known_row(const float* depth_m, int width, float none, std::vector<float>& 
   }
 }
 
-/// What is not drawn becomes the farther of its neighbours in the row.
+/// Fills pixels that were not drawn with the farther of their neighbours in the row.
 std::uint64_t fill_rest(std::vector<float>& w, std::vector<Rgb8>& color) {
   std::uint64_t filled = 0;
   const std::size_t n = w.size();

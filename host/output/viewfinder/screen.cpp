@@ -94,7 +94,7 @@ const render::GpuPicture* Screen::draw_picture(const output::Composite* composit
   return nullptr;
 }
 
-/// What says that the picture is not live, in the middle; it cannot be switched off.
+/// Writes in the middle that the picture is not live; it cannot be switched off.
 void Screen::write_banner(const output::Composite* composite, const ViewState& state,
                           const ScreenFacts& facts) {
   const int s = scale(), y = picture_.height() / 2 - 12 * s;
@@ -120,7 +120,7 @@ void Screen::write_banner(const output::Composite* composite, const ViewState& s
     centred(y + 28 * s, facts.fault.view(), s, kInk);
 }
 
-/// What is wrong with the frame that is shown, along the top.
+/// Writes faults of the shown frame along the top.
 void Screen::write_warnings(const output::Composite* composite, const ViewState& state,
                             const ScreenFacts& facts) {
   if (composite == nullptr) return;

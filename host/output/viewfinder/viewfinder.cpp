@@ -20,7 +20,7 @@ constexpr Duration kMessage = std::chrono::seconds(3);
 
 }  // namespace
 
-/// What the thread of the window does.
+/// Work of the window's thread.
 class Viewfinder::Loop {
  public:
   Loop(Viewfinder& owner, Window& window)

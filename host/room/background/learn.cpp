@@ -66,7 +66,7 @@ std::optional<PosedView> posed_view(const render::CompositorSetup& setup,
   return view;
 }
 
-/// The same frames again, each drawn in one wide view.
+/// Reads the same frames again, and draws each in one wide view.
 Result<model::StaticBackground> learn_moving(capture::CaptureSource& source,
                                              const render::CompositorSetup& setup, FrameRange range,
                                              BackendChoice backend, const ProgressFn& progress,

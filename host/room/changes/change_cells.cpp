@@ -59,8 +59,8 @@ void ChangeCells::add(const FrameSight& sight, double dt_s) {
     }
 }
 
-/// What moves by less than a step is still the same, and no thing. Noise is averaged out first: who
-/// stands sways slower than that.
+/// Measures slow motion. A thing that moves by less than a depth step is still the same thing, and
+/// an object stands still. Noise is averaged out first, since a standing person sways more slowly.
 void ChangeCells::note_unrest(float off_m, double dt_s, ChangeCell& cell) {
   ChangeCell::Half& half = cell.halves[static_cast<std::size_t>(cell.looks % 2)];
   const float frames = static_cast<float>(cell.looks++ / 2 + 1);
@@ -77,7 +77,7 @@ void ChangeCells::note_unrest(float off_m, double dt_s, ChangeCell& cell) {
   cell.weight += share * (1 - cell.weight);
 }
 
-/// What hides a cell says nothing about it.
+/// Checks a cell against a frame; a frame in which something hides the cell is ignored.
 void ChangeCells::check(const FrameSight& sight, double dt_s, ChangeCell& cell) {
   int x = 0, y = 0;
   float z_m = 0;

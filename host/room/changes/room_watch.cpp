@@ -20,9 +20,9 @@ constexpr double kJoinPart = 0.75;
 constexpr int kFewestRipe = 10;
 /// Parts of one thing lie no further from each other.
 constexpr double kOneThing_m = 0.25;
-/// What noise leaves in the unrest of a thing is less than this part of a depth's sigma.
+/// Largest motion that noise leaves in an unmoved thing, as a part of a depth's sigma.
 constexpr double kNoisePart = 1.0 / 12;
-/// Numbers of cells of what appeared and of what is gone, of one thing seen from two sides.
+/// Largest ratio between the numbers of cells of one thing, as appeared and as gone.
 constexpr double kMostSizeRatio = 3;
 constexpr double kFarthestMove_m = 6;
 /// Shadows of what changed lie no further from it.
@@ -194,7 +194,7 @@ void RoomWatch::finish_round() {
   }
 }
 
-/// What appeared and what is gone, of about one size, are one thing that moved.
+/// Joins an appeared and a vanished thing of about one size to one thing that moved.
 void RoomWatch::pair_up() {
   for (Found& f : found_) {
     if (f.change.kind == ChangeKind::kMoved && !f.change.accepted)

@@ -11,9 +11,10 @@ namespace {
 /// Two surfaces differ by this many sigmas and this much at least: systematic errors of depth,
 /// which differ between the views of the scan and this one.
 constexpr double kChangeSigmas = 5, kLeastStep_m = 0.07;
-/// Of the four pairs of opposite neighbours, those that have to lie on the surface of a pixel.
+/// Least number of the four pairs of opposite neighbours that must lie on a pixel's surface.
 constexpr int kFewestPairs = 3;
-/// Of the 9 pixels around one of the model, those on its surface: more than a line has.
+/// Least number of the 9 model pixels around one that must lie on its surface: more than a line
+/// has.
 constexpr int kFewestOfModel = 5;
 
 }  // namespace

@@ -30,7 +30,7 @@ constexpr double kLeastArea_m2 = 0.01;
 constexpr double kLeastClickSine = 0.087;  ///< 5 degrees
 constexpr int kClickRounds = 3;
 
-/// What lies around the click, and how much of it is unknown.
+/// Surroundings of the click, and how much of them is unknown.
 struct ClickSurroundings {
   std::vector<ClickPlace> known;
   int unknown = 0;
@@ -102,7 +102,7 @@ bool is_curved(const ClickGrid& grid, const ClickRegion& region, const InversePl
   return false;
 }
 
-/// Those that no step, though within the noise of one depth, parts from the click.
+/// Places that no depth step separates from the click, even one within the noise of one depth.
 std::vector<ClickPlace> keep_side(const ClickRegion& region, const ClickGrid& grid,
                                   const geometry::Pinhole& view, const Click& click,
                                   const InversePlane& plane, std::vector<ClickPlace> places) {

@@ -14,7 +14,7 @@ float luminance_of(const Vector3f& color) {
   return Vector3f(kRec709Red, kRec709Green, kRec709Blue).dot(color);
 }
 
-/// Of the light of all, by area and radiance; alike where no lamp has an area.
+/// Share of each lamp in the light of all, by area and radiance; equal where no lamp has an area.
 std::vector<float> parts_of_light(std::span<const FoundLamp> lamps,
                                   std::span<const double> radiance) {
   std::vector<double> light;

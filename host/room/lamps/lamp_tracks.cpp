@@ -51,7 +51,7 @@ estimation::PointView view_of(const BrightRegion& region, const geometry::Pose& 
   return {pose, bearing};
 }
 
-/// What is known of a candidate while it is judged.
+/// State of a candidate while it is judged.
 struct Candidate {
   std::vector<Sighting> seen, whole;  ///< whole: not cut by a border
   std::optional<Vector3d> normal;     ///< of the plane that it is drawn onto
@@ -195,7 +195,7 @@ class Judge {
     return {};
   }
 
-  /// Where the rays of the views meet the room.
+  /// Places the lamp where the views' rays meet the room.
   bool place_on_surface(Candidate& c, FoundLamp& lamp) const {
     Vector3d sum = Vector3d::Zero();
     std::vector<SurfacePoint> met;

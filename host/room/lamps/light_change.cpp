@@ -71,7 +71,7 @@ void find_gain(LightChange& change) {
   }
 }
 
-/// What one surface says of a source.
+/// Evidence of one surface about a source.
 struct SurfaceVote {
   int places = 0;
   double share = 0, light = 0;   ///< sums of the source's share, and of its square

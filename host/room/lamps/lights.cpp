@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
-/// Where the target camera was at a picture's time.
+/// Pose of the target camera at a picture's time.
 class PathOfTake {
  public:
   PathOfTake(std::vector<trajectory::TimedPose> samples, const geometry::Pose& body_from_target)
@@ -176,7 +176,7 @@ Result<RoomLights> lights_of_take(const LightsOptions& options, const lights::Ro
                                                       view, found.search.lamps));
   }
   if (options.drawing.empty()) return found;
-  // Of a view that was used, in the middle.
+  // Takes a view in the middle of those used.
   int view = 0;
   for (const auto& lamp : found.search.lamps) view = lamp.seen[lamp.seen.size() / 2].view;
   for (const auto& rejected : found.search.rejected)

@@ -11,7 +11,8 @@
 namespace mixrig::session {
 namespace {
 
-/// Of a lamp's region: more that is too bright for all pictures makes its light unknown.
+/// Largest share of a lamp's region that may saturate in all pictures; beyond it the lamp's light
+/// is unknown.
 constexpr double kMostSaturated = 0.02;
 
 Result<std::vector<Image<Rgb8>>> read_pictures(std::span<const BracketFile> files, Size size) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a search for lamps found: as JSON, and in a scene.
+// Writes the results of a search for lamps as JSON, and into a scene.
 #include <cmath>
 
 #include <nlohmann/json.hpp>

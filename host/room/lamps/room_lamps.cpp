@@ -21,7 +21,7 @@ float luminance_of(const RgbHalf& c) {
          kRec709Blue * float_of_half(c.b);
 }
 
-/// What the brightest part of the room that covers kPeak_sr has at least.
+/// Least luminance in the brightest part of the room that covers kPeak_sr.
 float peak_of(const Image<RgbHalf>& light) {
   const double step_rad = kPi / light.height();
   std::vector<std::pair<float, double>> bright;

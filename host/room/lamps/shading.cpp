@@ -52,7 +52,7 @@ void each_panel_point(const geometry::Lamp& lamp, const Use& use) {
     }
 }
 
-/// As irradiance_of(), with what of the room hides parts of the panel.
+/// Irradiance of a lamp like irradiance_of(), with occlusion of the panel by the room.
 double seen_irradiance(const RoomSurfaces& room, const geometry::Lamp& lamp,
                        const Vector3d& position_m, const Vector3d& normal) {
   const Vector3d start = position_m + 0.01 * normal;
@@ -213,7 +213,7 @@ void light_equations(const std::vector<LitPlace>& places, const std::vector<doub
     }
 }
 
-/// What the scale leaves open is held: the sum of the intensities.
+/// Fixes the scale, which the data do not determine, by the sum of the intensities.
 void hold_scale(const Fit& fit, MatrixXd& a, VectorXd& b) {
   const double sum = fit.light.head(fit.light.size() - 1).sum();
   const double strength = std::max(1e-9, a.diagonal().maxCoeff());

@@ -54,7 +54,7 @@ void take_apart(const std::vector<Answer>& answers, std::size_t most, std::vecto
   }
 }
 
-/// Those with the most evidence, and of the plausible ones those that agree best.
+/// Keeps the answers with the most evidence, and of the plausible ones those that agree best.
 void keep_apart(std::vector<Answer>& answers) {
   std::vector<Answer> kept;
   sort_answers(answers, answers.size(), [](const Answer& p) { return p.evidence.of_all(); });

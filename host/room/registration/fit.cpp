@@ -66,7 +66,7 @@ struct UnitPlane {
   }
 };
 
-/// Those of a, then those of b, in a's axes.
+/// Planes of a, then those of b, in a's axes.
 std::vector<UnitPlane> unit_planes(const std::vector<RoomPlane>& of_a,
                                    const std::vector<RoomPlane>& of_b, const Pose& a_from_b) {
   std::vector<UnitPlane> planes;
@@ -98,8 +98,8 @@ std::vector<UnitSums> sums_of(const std::vector<FitRow>& rows, const std::vector
   return sums;
 }
 
-/// Of the errors of units, by moments: the mean residual of a unit is its own error less what the
-/// fit took up of all of them.
+/// Standard deviation of the units' own errors, by moments: the mean residual of a unit is its own
+/// error less the part that the fit absorbed.
 double common_sigma_m(const std::vector<UnitSums>& sums, const Matrix6d& inverse, double single_m) {
   constexpr double kFewPlaces = 30;  // that say little of their unit
   double found = 0, expected = 0;

@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 constexpr double kJoinedGate_m = 0.02;
 
-/// Of a triangle: its middle, normal away from the origin, and sigma there.
+/// Middle of a triangle, its normal away from the origin, and sigma there.
 struct GridTriangle {
   Vector3d middle_m, normal;
 };

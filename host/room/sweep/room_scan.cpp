@@ -83,7 +83,7 @@ Result<std::optional<calibration_file::Calibration>> known_rig(const fs::path& c
   return std::optional(std::move(known));
 }
 
-/// Of a take that was given as its folder or its take.toml.
+/// Folder of a take that is given as a folder or as its take.toml.
 fs::path folder_of(const fs::path& take) {
   std::error_code error;
   return fs::is_directory(take, error) ? take : take.parent_path();
@@ -130,7 +130,7 @@ Image<float> at_size(const Image<float>& distance_m, Size size) {
   return out;
 }
 
-/// Of what the calibration's depth error leaves unknown, at the median distance.
+/// Relative distance error that the calibration's depth error leaves, at the median distance.
 Result<double> distance_sigma(const model::Panorama& panorama, const fs::path& calibration) {
   if (calibration.empty()) return 0.0;
   MIXRIG_ASSIGN(const auto known, calibration_file::read_calibration(calibration));

@@ -18,23 +18,23 @@
 
 namespace mixrig::session {
 
-/// Views that disagree with their neighbours by less keep the angles of the unit.
+/// Least turn of a view; views that disagree by less keep the angles of the unit.
 inline constexpr double kLeastTurn_deg = 0.05;
 
 struct RoomScanOptions {
   std::filesystem::path take;
-  /// Cameras, depth error and the pan-tilt unit; empty: those of the take, whose frames have poses.
+  /// Cameras, depth error and the pan-tilt unit. Empty: those of the take, whose frames have poses.
   std::filesystem::path calibration;
-  bool evaluate = false;            ///< against the room that the take holds as truth
-  bool align = true;                ///< turn views that do not agree with their neighbours
-  std::optional<Size> field_deg{};  ///< that the sweep was to cover, pan x tilt around ahead
+  bool evaluate = false;            ///< compares with the true room that the take holds
+  bool align = true;                ///< turns views that do not agree with their neighbours
+  std::optional<Size> field_deg{};  ///< field that the sweep was to cover, pan x tilt around ahead
   model::PanoramaOptions panorama;
-  std::optional<double> mesh_tolerance_m{};  ///< in place of model::mesh_tolerance_m
+  std::optional<double> mesh_tolerance_m{};  ///< replaces model::mesh_tolerance_m()
   int threads = 0;                           ///< 0: one per core
 };
 
-/// How far away the boards of the depth camera's calibration were, and how much of the room is
-/// farther: its depth error there is that of the farthest board.
+/// Largest distance of the boards of the depth camera's calibration, and the share of the room
+/// beyond it, where the depth error of the farthest board is assumed.
 struct DepthReach {
   double far_m = 0;
   double beyond_pct = 0;  ///< of the known solid angle
@@ -42,17 +42,17 @@ struct DepthReach {
 
 struct RoomScan {
   model::Panorama panorama;
-  model::Alignment alignment;  ///< how well the views agree, as the unit or the poses say
+  model::Alignment alignment;  ///< agreement of the views at the unit's angles or the given poses
   std::vector<model::Finding> findings;
-  std::vector<model::FoundExposure> exposures;  ///< of the take's brackets; empty without
-  std::optional<DepthReach> depth_reach;        ///< where the calibration has a depth error
+  std::vector<model::FoundExposure> exposures;  ///< exposures of the take's brackets; empty without
+  std::optional<DepthReach> depth_reach;        ///< absent unless the calibration has a depth error
   model::RoomMesh mesh;
-  std::size_t triangles_raw = 0;  ///< of the grid; the mesh has fewer
-  double tolerance_m = 0;         ///< of the mesh
+  std::size_t triangles_raw = 0;  ///< triangles of the grid; the mesh has fewer
+  double tolerance_m = 0;         ///< tolerance of the mesh
   int views = 0, frames = 0;
-  std::optional<geometry::Pose> world_from_base;  ///< where frames had poses
+  std::optional<geometry::Pose> world_from_base;  ///< absent unless frames had poses
   double read_seconds = 0;                        ///< reading and averaging the take
-  double align_seconds = 0;                       ///< of model_seconds
+  double align_seconds = 0;                       ///< part of model_seconds
   double model_seconds = 0;                       ///< from averaged views to the panorama
   double mesh_seconds = 0;                        ///< from the panorama to the mesh
   std::optional<measure::RoomErrors> errors;
@@ -66,24 +66,24 @@ struct JudgedRoom {
   Image<float> off_mm;  ///< measure::off_surface_mm
 };
 
-/// Against the truth that a studio's take of a sweep holds; where the panorama has another size,
-/// the truth is interpolated between its pixels, but not across depth steps. Errors: kNotFound
-/// without truth, those of reading it.
+/// Compares with the truth in a studio's take of a sweep. Where the panorama has another size, the
+/// truth is interpolated between its pixels, but not across depth steps. Errors: kNotFound without
+/// truth; those of reading it.
 Result<JudgedRoom> judge_room(const model::Panorama& panorama, const std::filesystem::path& take);
 
-/// Frames of equal angles in sequence are one view; without a calibration each frame is one, at its
-/// own pose. Errors: those of take and calibration; kFormat where the calibration has no unit,
-/// kData where a frame has no angles, kUsage where it has no pose; kNotFound where `evaluate`
-/// finds no truth.
+/// Makes a room of a sweep. Consecutive frames of equal angles are one view; without a calibration
+/// each frame is one, at its own pose. Errors: those of take and calibration; kFormat where the
+/// calibration has no unit, kData where a frame has no angles, kUsage where it has no pose;
+/// kNotFound where `evaluate` finds no truth.
 Result<RoomScan> scan_room(const RoomScanOptions& options);
 
-/// Writes a room's triangles with their picture as glTF; nothing where there are none. Errors: kIo.
+/// Writes a room's triangles with their picture as glTF; no file where there are none. Errors: kIo.
 Result<void> write_mesh(const model::RoomMesh& mesh, const Image<Rgb8>& color,
                         const std::filesystem::path& path);
 
 /// Writes room.exr (distance_m, sigma_m, views), color.png, distance.png (16 bit, mm), color.exr
 /// (where plates were taken at other exposures), room.glb (where there are triangles), error.png
-/// (of a judged room) and manifest.toml into `folder`: whole or not at all. Errors: kUsage where
+/// (of a judged room) and manifest.toml into `folder`, whole or not at all. Errors: kUsage where
 /// the folder is something else, kIo.
 Result<void> save_room(const RoomScan& scan, const std::filesystem::path& calibration,
                        const std::filesystem::path& folder);

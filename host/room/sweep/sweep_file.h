@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// sweep.toml: what a sweep was begun with. A run that differs must not go on with it.
+// sweep.toml: the settings that a sweep was begun with. Only a run with equal settings may continue
+// it.
 #pragma once
 
 #include <filesystem>
@@ -19,12 +20,13 @@ struct SweepIdentity {
   std::vector<double> views_rad;  ///< pan and tilt of each view
 };
 
-/// Before the devices are opened, so without the views. Errors: kUsage where the folder holds
-/// something else, or a sweep that was begun otherwise: the line names the first key that differs.
+/// Checks the folder before the devices are opened; ignores the views. Errors: kUsage where the
+/// folder holds something else, or a sweep with other settings: the line names the first key that
+/// differs.
 Result<void> check_sweep_folder(const std::filesystem::path& folder, const SweepIdentity& identity);
 
-/// Writes sweep.toml into the folder, which is made, or finds it equal there. Errors: those of
-/// check_sweep_folder; kIo.
+/// Makes the folder and writes sweep.toml into it, or checks that the file there is equal. Errors:
+/// those of check_sweep_folder(); kIo.
 Result<void> begin_or_resume(const std::filesystem::path& folder, const SweepIdentity& identity);
 
 }  // namespace mixrig::session

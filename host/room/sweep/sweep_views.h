@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The views of a sweep from a source: frames of equal angles averaged, or frames with poses.
+// Reads the views of a sweep from a source: frames of equal angles averaged, or frames with poses.
 #pragma once
 
 #include <filesystem>
@@ -16,24 +16,25 @@ inline constexpr int kMostViews = 512;  ///< all are kept in memory
 
 struct SweepViews {
   std::vector<model::ScanView> views;
-  std::vector<int> view_of_frame{0};          ///< index of the view by number of the frame, from 1
+  std::vector<int> view_of_frame{0};          ///< index of the view by frame number, from 1
   std::vector<device::PanTiltAngles> angles;  ///< of each view; empty where frames have poses
-  /// Where the base stands: by the poses; nothing where the unit gives the angles.
+  /// Pose of the base, by the frames' poses; absent where the unit gives the angles.
   std::optional<geometry::Pose> world_from_base;
   int frames = 0;
 };
 
-/// Frames of equal angles in sequence are one view of `unit`, their depth averaged as they are
-/// read, their colour the median (model::PlateMedian). Without a unit each frame is a view at its
-/// own pose, and the base is at their mean position with the axes of the world. Errors: those of
-/// the source; kData where a frame has no angles, and for more than kMostViews; kUsage without a
-/// unit where a frame has no pose.
+/// Reads views. With `unit`, consecutive frames of equal angles are one view: their depth is
+/// averaged as they are read, and their colour is the median (model::PlateMedian). Without a unit
+/// each frame is a view at its own pose; the base is then at their mean position with the axes of
+/// the world. Errors: those of the source; kData where a frame has no angles, and for more than
+/// kMostViews; kUsage without a unit where a frame has no pose.
 Result<SweepViews> read_sweep(capture::CaptureSource& source, const calibration_file::PanTilt* unit,
                               Crew& crew);
 
 /// Adds the plates at other exposures of the take in `folder`, if it has some, to the views of
-/// their frames; of several at one exposure the median. Rows of frames that the sweep does not have
-/// are left out. Errors: those of reading; kData for a plate of another size than the frames'.
+/// their frames; several at one exposure are replaced by their median. Rows of frames that the
+/// sweep does not have are ignored. Errors: those of reading; kData for a plate of another size
+/// than the frames'.
 Result<void> add_brackets(const std::filesystem::path& folder, SweepViews& sweep, Crew& crew);
 
 }  // namespace mixrig::session

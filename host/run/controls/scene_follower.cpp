@@ -131,7 +131,7 @@ void SceneFollower::look() {
   read();
 }
 
-/// Of the file and of the models of `scene`.
+/// Time stamps of the file and of the models of `scene`.
 SceneFollower::Stamp SceneFollower::stamp_of(const scene::Scene& scene) const {
   Stamp stamp;
   const auto add = [&](const std::filesystem::path& path) {
@@ -161,7 +161,7 @@ void SceneFollower::adopt(scene::Scene scene) {
   const bool touched = session_.scene.events ||
                        std::any_of(session_.scene.objects.begin(), session_.scene.objects.end(),
                                    [](const auto& o) { return o.physics; });
-  // What a run takes once stays as it is.
+  // Settings that a run takes only once stay unchanged.
   scene.set = session_.scene.set;
   if (session_.scene.quality.budget_ms) scene.quality = session_.scene.quality;  // as was chosen
   scene.capture_volume = session_.scene.capture_volume;

@@ -8,7 +8,7 @@ glm::vec3 to_vec(const Eigen::Vector3d& v) { return glm::vec3(v.x(), v.y(), v.z(
 
 }  // namespace
 
-/// Of points in the axes of the camera as it is now.
+/// Motion of points from the last frame, in axes of the current camera.
 std::optional<PlateMotion::Rate> PlateMotion::step_to(const geometry::Pose& world_from_target,
                                                       double time_s) const {
   const double step_s = time_s - last_s_;

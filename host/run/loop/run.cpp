@@ -146,7 +146,7 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   return first ? warm_up(*std::move(first), known) : Result<void>();
 }
 
-/// Of a camera that stands still the compositor is made for it.
+/// Pose of the first frame. The compositor of a still camera is made for it.
 pose::FramePose Runner::pose_of_first(const capture::Capture& capture) {
   pose::FramePoses poses(*session_.poses, frame_pose_options(session_.scene));
   pose::FramePose known = poses.next(capture);
@@ -250,7 +250,7 @@ Result<bool> Runner::frame() {
   return true;
 }
 
-/// Of the run's files; where takes are recorded, who does that obeys them.
+/// Follows record orders for the run's files, unless a recorder of takes follows them.
 void Runner::obey_record_orders() {
   if (parts_.orders == nullptr || parts_.orders->state().records_takes) return;
   while (const auto order = parts_.orders->take<output::Record>()) sinks_.set_recording(order->on);

@@ -30,7 +30,7 @@ class CapturedPlate final : public render::SharedPlate {
   const std::shared_ptr<const capture::CameraPicture>& picture_;  // of a capture that outlives it
 };
 
-/// Of depth after the plate; 0 where it is not known.
+/// Delay of depth after the plate, seconds; 0: unknown.
 double depth_delay_s(const capture::Capture& capture) {
   if (capture.depth_mid_exposure == HostTime{}) return 0;
   return std::chrono::duration<double>(capture.depth_mid_exposure - capture.mid_exposure).count();
@@ -80,7 +80,7 @@ void RunCompositor::follow_changes() {
   if (follower_) scene_differs_ = follower_->fill(exchange_.scene(), frame_scene_);
 }
 
-/// What an operator can ask of the compositor, and where it is sharp.
+/// Reports what an operator can ask of the compositor, and where it is sharp.
 void RunCompositor::tell_possible() const {
   if (orders_ == nullptr) return;
   const bool watches = keeper_.is_open();
@@ -90,7 +90,7 @@ void RunCompositor::tell_possible() const {
   });
 }
 
-/// What the scene says newly is sharp takes the place of what was clicked.
+/// Uses an edited scene; its new focus replaces the clicked one.
 void RunCompositor::use(EditedScenePtr edited) {
   if (!edited) return;
   const bool refocuses = !same_focus(wanted_focus_, edited->scene.focus);
@@ -164,7 +164,7 @@ void RunCompositor::share_plates() {
                                  .decoded = need != render::PlateNeed::kShared});
 }
 
-/// As the scene has it, times what was seen to change.
+/// Light of the scene, times the changes that were seen.
 std::optional<render::FrameLight> RunCompositor::frame_light() {
   const auto scene = scene_differs_ ? std::optional(frame_scene_.light) : std::nullopt;
   return light_keeper_.is_open() ? light_keeper_.changed(exchange_.scene().light, scene) : scene;
@@ -176,7 +176,7 @@ Result<void> RunCompositor::see(const output::CompositePtr& composite) {
   return composite->capture->depth_m.empty() ? Result<void>() : keeper_.push(composite);
 }
 
-/// Of the parts, which have ended.
+/// Report of the parts, which must have ended.
 CompositorReport RunCompositor::report() const {
   CompositorReport report;
   report.backend = backend_, report.renderer = renderer_;

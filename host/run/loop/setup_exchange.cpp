@@ -50,7 +50,7 @@ void SetupExchange::exchange(std::unique_ptr<render::Compositor>& compositor,
   swap_ms_.add(milliseconds(clock_.now() - start));
 }
 
-/// What came meanwhile stays due.
+/// Refuses a setup; requests that came meanwhile stay due.
 void SetupExchange::refuse(const Error& error) {
   log_warning("session", to_line(error) + ": the run goes on with what it had before");
   const auto shown_background = in_use_ ? in_use_->background : nullptr;

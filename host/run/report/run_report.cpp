@@ -59,7 +59,7 @@ nlohmann::json lost_by_reason(const pose::FramePoseCounts& counts) {
   return out;
 }
 
-/// Of the packets that were sent.
+/// Share of lost packets among those sent, percent.
 double lost_pct(const PoseReport& report) {
   const double lost = static_cast<double>(report.faults.packets_lost);
   const double sent = lost + static_cast<double>(report.stream->packets);

@@ -125,7 +125,7 @@ Result<pose::MocapOptions> mocap_options(const Session& session) {
   return options;
 }
 
-/// Of a tracker that an extra knows; null without a clock.
+/// Poses of a tracker that an extra provides; null without a clock.
 Poses extra_poses(const Session& session, const Clock* clock) {
   for (const ExtraPoses& extra : session.extra_poses)
     if (extra.source == session.scene.pose_source) return extra.open(session, clock);

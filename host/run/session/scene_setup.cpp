@@ -73,7 +73,7 @@ void set_focus(const scene::Scene& scene, bool fast, render::CompositorSetup& se
   const double width_px = setup.view.size_px.width;
   const double image_m = 1e-3 * wanted.sensor_width_mm * setup.view.fx_px / width_px;
   render::Focus focus;
-  // Of a lens that is sharp far away the image distance is the focal length.
+  // The image distance of a lens focused at infinity is its focal length.
   const double focal_m =
       wanted.distance_m > 0 ? 1 / (1 / image_m + 1 / wanted.distance_m) : image_m;
   focus.aperture_m = static_cast<float>(focal_m / wanted.f_number);

@@ -17,7 +17,7 @@
 namespace mixrig::session {
 namespace {
 
-/// What replaces the real background, if anything does. The set's picture fills the view.
+/// Adds the set that replaces the real background, if there is one. Its picture fills the view.
 void add_set(Session& session) {
   if (!session.scene.set) return;
   const Image<Rgb8>& picture = session.scene.set->picture;
@@ -156,8 +156,8 @@ Result<model::StaticBackground> learned_background(Session& session, FrameRange 
   return learned;
 }
 
-/// Of a camera that stands still while its lens zooms: the background is drawn again for each lens,
-/// from where the camera stands.
+/// Places the background for a camera that stands still while its lens zooms: it is drawn again for
+/// each lens, from the camera's place.
 Result<void> place_still_background(Session& session) {
   model::StaticBackground& b = *session.background;
   const bool own = !session.scene.background.model;

@@ -18,7 +18,8 @@ Error at_pose(const Session& session, ErrorCode code, const std::string& what) {
   return {code, session.scene.path.string() + ": camera.pose: \"tracker\", but " + what};
 }
 
-/// What the first capture of a recording lacks; what the devices of a live rig say.
+/// Checks the source: a recording's first capture, or the devices of a live rig, must have what the
+/// tracker needs.
 Result<void> check_source(const Session& session, Size calibrated_px) {
   Size size = session.source->info().fisheye_px;
   if (!session.source->info().is_live()) {
@@ -62,7 +63,7 @@ Result<std::unique_ptr<capture::PoseSource>> tracker_poses(const Session& sessio
     return at_pose(session, ErrorCode::kFormat,
                    "the background is no scanned room: scan it by mixrig scan and name it by "
                    "background.model");
-  // Of joined rooms the first.
+  // Uses the first of joined rooms.
   MIXRIG_ASSIGN(const auto rooms, model::load_rooms(*background.model));
   const model::RoomFile& room = rooms.front().room;
   const auto place =

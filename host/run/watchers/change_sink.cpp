@@ -93,7 +93,7 @@ Result<void> ChangeSink::open() {
 /// The background that is in force, in the size of the watch.
 void ChangeSink::draw_background() {
   drawn_.reset();  // no two of them at once
-  // What is drawn is read here and not kept.
+  // The drawn models are only read here, not kept.
   Image<Rgbx8> color;  // of a still camera's view
   std::vector<render::BackgroundModel> models =
       kept_ ? kept_->models(*first_pose_) : models_of(session_, *first_pose_, color);

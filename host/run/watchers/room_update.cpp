@@ -146,7 +146,7 @@ class Merge {
   KeptBackground& background_;
 };
 
-/// What no frame saw of a crop is unknown.
+/// Background learned from a crop; unknown where no frame saw it.
 model::StaticBackground learned_of(Crop& crop) {
   if (auto learned = crop.builder->finish()) return std::move(*learned);
   model::StaticBackground none;

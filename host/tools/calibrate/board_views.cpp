@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using calibration::BoardSpec;
 
-/// What was seen in one file.
+/// Result for one file.
 struct Seen {
   Size size_px;
   Image<std::uint8_t> gray;  ///< until it is added to the brightest picture

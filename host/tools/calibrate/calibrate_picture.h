@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture of a calibration: residuals, uncertainty of projection, error of every view.
+// Picture of a calibration: residuals, uncertainty of projection, error of every view.
 #pragma once
 
 #include "hal/base/image.h"
@@ -7,8 +7,9 @@
 
 namespace mixrig::tools {
 
-/// Left: every point with its residual, enlarged. Middle: uncertainty of projection over the
-/// picture in colour and figures. Right: a bar a view, those left out in grey.
+/// Draws on the left every point with its residual, enlarged; in the middle the uncertainty of
+/// projection over the picture in colour and figures; on the right a bar for each view, views that
+/// were left out in grey.
 Image<Rgb8> calibration_picture(const calibration::Intrinsics& intrinsics,
                                 const calibration::UncertaintyMap& map);
 

@@ -145,7 +145,7 @@ std::vector<std::string> all_but_second(const calibration::ViewSet& set) {
   return names;
 }
 
-/// Of the run for the second depth camera only that camera is written.
+/// Keeps only the second depth camera of its run's calibration.
 void keep_second(calibration_file::Calibration& calibration) {
   std::erase_if(calibration.cameras,
                 [](const auto& c) { return c.name != calibration::kSecondDepthCamera; });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What mixrig calibrate views does with a source of captures, and with a pan-tilt unit.
+// Work of `mixrig calibrate views`, with a source of captures or with a pan-tilt unit.
 #pragma once
 
 #include <atomic>
@@ -21,22 +21,22 @@ struct CollectArguments {
   Size turn_deg;  ///< pan x tilt from side to side; empty: as far as the board stays in the picture
 };
 
-/// Takes views until they cover all that is wanted, the source ends or `stop` is set, and writes
-/// them. Errors: kData where there is no view; those of the source, after what was taken was
-/// written.
+/// Takes views until they cover everything that is wanted, the source ends or `stop` is set, and
+/// writes them. Errors: kData where there is no view; those of the source, after the views so far
+/// were written.
 Result<nlohmann::json> collect_views(capture::CaptureSource& source,
                                      const CollectArguments& arguments,
                                      const std::atomic<bool>& stop);
 
-/// Turns the pan-tilt unit of a rig before a board that stands still, from where it stands, and
-/// back. Errors: kUsage for a rig without a unit; kData where the board is not seen; those of the
-/// devices and of the sweep, after what was taken was written.
+/// Turns the pan-tilt unit of a rig before a board that stands still, taking views, and returns to
+/// where it began. Errors: kUsage for a rig without a unit; kData where the board is not seen;
+/// those of the devices and of the sweep, after the views so far were written.
 Result<nlohmann::json> turn_views(const std::filesystem::path& rig,
                                   const CollectArguments& arguments, const std::atomic<bool>& stop,
                                   Clock& clock);
 
-/// Shows how far it is: a line that is rewritten where stderr is a terminal (with its bell when a
-/// view is kept), else a line a kept view.
+/// Shows the progress: a line that is rewritten where stderr is a terminal (with its bell when a
+/// view is kept), else a line for each kept view.
 class CollectStatus {
  public:
   CollectStatus();
@@ -45,12 +45,12 @@ class CollectStatus {
 
  private:
   bool terminal_;
-  bool moved_ = true;  ///< since the last bell
+  bool moved_ = true;  ///< the board moved since the last bell
 };
 
-/// Writes coverage.png and the views. `error`: what ended it early, or null; it is returned, with
-/// the number of views that are there, once they are written. `ended` says in a word how it ended.
-/// Errors: kData where there is no view; kIo.
+/// Writes coverage.png and the views. `error`: the error that ended it early, or null; it is
+/// returned with the number of views once these are written. `ended`: a word that says how it
+/// ended. Errors: kData where there is no view; kIo.
 Result<nlohmann::json> finish_views(calibration::ViewCollector& collector,
                                     const CollectArguments& arguments, const char* ended,
                                     const Error* error);

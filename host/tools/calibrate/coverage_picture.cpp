@@ -20,7 +20,7 @@ constexpr Rgb8 kSheet{255, 255, 255}, kLetters{30, 30, 30}, kRim{200, 200, 200},
 constexpr double kCameraWidth_px = 400, kAbove_px = 44, kBetween_px = 24, kLine_px = 17;
 constexpr int kCells = 3;
 
-/// Where a camera's panel lies, and panel pixels per picture pixel.
+/// Position of a camera's panel, and panel pixels per picture pixel.
 struct CameraPanel {
   double left_px = 0, scale = 1, height_px = 0;
   report::Point at(const Eigen::Vector2d& px) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture of what board views cover.
+// Picture of the coverage of board views.
 #pragma once
 
 #include "hal/base/image.h"
@@ -7,8 +7,8 @@
 
 namespace mixrig::tools {
 
-/// A panel a camera with the corners of all views, ninths that lack views shaded, and the list of
-/// needs with what there is of each.
+/// Draws a panel for each camera with the corners of all views and ninths that lack views shaded,
+/// and the list of needs with how far each is met.
 Image<Rgb8> coverage_picture(const calibration::Coverage& coverage);
 
 }  // namespace mixrig::tools

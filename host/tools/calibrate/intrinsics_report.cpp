@@ -22,7 +22,7 @@ nlohmann::json numbers(const std::vector<double>& values) {
 
 constexpr double kDegree = M_PI / 180;
 
-/// What is known of a fisheye's field; null for a pinhole.
+/// Field of view of a fisheye; null for a pinhole.
 nlohmann::json field_of(const Intrinsics& in) {
   if (geometry::kind_of(in.camera) != geometry::LensKind::kFisheye) return {};
   nlohmann::json field{{"points_deg", in.point_angle_rad / kDegree},
@@ -70,7 +70,7 @@ void print_field(const Intrinsics& in) {
 std::vector<std::string> objections(const Intrinsics& in, const UncertaintyMap& map) {
   constexpr double kWorst_px = 2.0, kMedian_px = 0.5, kRms_px = 1.0, kPointsOut = 0.1;
   constexpr int kFewViews = 6;
-  // Where lenses of two and of four terms that fit the points equally still agree.
+  // Angle to which lenses of two and of four terms still agree that fit the points equally well.
   constexpr double kMostBeyond_rad = 15 * kDegree;
   std::vector<std::string> why;
   if (!(map.worst_px <= kWorst_px))

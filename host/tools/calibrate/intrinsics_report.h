@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report of mixrig calibrate intrinsics about a camera.
+// Report of `mixrig calibrate intrinsics` about a camera.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace mixrig::tools {
 
-/// Why not to use this calibration; empty for go.
+/// Reasons not to use this calibration; empty: go.
 std::vector<std::string> objections(const calibration::Intrinsics& in,
                                     const calibration::UncertaintyMap& map);
 
@@ -20,7 +20,7 @@ nlohmann::json report_of(const std::string& camera, const BoardViews& all,
                          const calibration::Intrinsics& in, const calibration::UncertaintyMap& map,
                          const calibration::Advice& advice, const std::vector<std::string>& why);
 
-/// The same as text, to stdout.
+/// Prints the figures of report_of() to stdout.
 void print(const std::string& camera, const BoardViews& all, const calibration::Intrinsics& in,
            const calibration::UncertaintyMap& map, const calibration::Advice& advice,
            const std::vector<std::string>& why);

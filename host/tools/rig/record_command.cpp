@@ -26,7 +26,7 @@ struct RecordArguments {
   bool force = false;
 };
 
-/// What was recorded cannot be made again.
+/// Refuses to replace a recorded take, since it cannot be made again.
 Result<void> check_out(const RecordArguments& arguments) {
   std::error_code code;
   const std::filesystem::path take = std::filesystem::path(arguments.out) / "take.toml";

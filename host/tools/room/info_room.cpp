@@ -153,7 +153,7 @@ nlohmann::json spans_json(const std::vector<Span>& spans) {
   return list;
 }
 
-/// Of a joined room: size, pose and its sigma, each.
+/// Size, pose and sigma of each room of a joined one.
 nlohmann::json joined_json(const std::vector<model::PlacedRoom>& rooms) {
   std::printf("%zu rooms joined\n", rooms.size());
   nlohmann::json list = nlohmann::json::array();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What mixrig info says of a scanned room.
+// Description of a scanned room by `mixrig info`.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,8 @@ struct InfoRoomOptions {
   std::filesystem::path picture;  ///< PNG of plan and elevation to write; empty: none
 };
 
-/// Prints it and returns it as JSON. Errors: those of reading the room and its truth; kIo.
+/// Prints the description and returns it as JSON. Errors: those of reading the room and its truth;
+/// kIo.
 Result<nlohmann::json> info_room(const InfoRoomOptions& options);
 
 }  // namespace mixrig::tools

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the extra "map" does for the commands track and align.
+// Work of the extra "map" for the commands track and align.
 #pragma once
 
 #include <optional>
@@ -19,19 +19,20 @@ struct MapTrackArguments {
   int patches = 300, finest = 0, threads = 0;
 };
 struct MapAlignArguments {
-  std::string map, other, out;  ///< `other`: a second map, or a room
-  std::string calibration;      ///< of the camera that learned the map, to lay it into a room
+  std::string map, other, out;  ///< a second map, or a room
+  std::string calibration;      ///< of the camera that learned the map; for placing it in a room
   int threads = 0;
 };
 
-/// Each prints what it found and returns the report. All null where the extra is left out.
+/// Functions that print what they found and return the report; all null where the extra is left
+/// out.
 struct MapJobs {
   Result<nlohmann::json> (*track)(const MapTrackArguments& arguments) = nullptr;
   Result<nlohmann::json> (*join)(const MapAlignArguments& arguments) = nullptr;
   Result<nlohmann::json> (*place)(const MapAlignArguments& arguments) = nullptr;
 };
 
-/// Those of the extra (map_jobs.cpp, built with it).
+/// Functions of the extra, built with it.
 Result<nlohmann::json> track_in_map(const MapTrackArguments& arguments);
 Result<nlohmann::json> join_maps(const MapAlignArguments& arguments);
 Result<nlohmann::json> place_map(const MapAlignArguments& arguments);

@@ -28,7 +28,7 @@ nlohmann::json agreement_json(const model::Alignment& a) {
           {"turns_refused", a.refused}};
 }
 
-/// What the pictures of the views differed by, and what is left of it.
+/// Differences in brightness of the views' pictures, before and after correction.
 nlohmann::json gains_json(const model::ViewGains& g) {
   double most = 1;
   for (const Eigen::Array3f& gain : g.gains)
@@ -81,7 +81,7 @@ nlohmann::json reach_json(const session::DepthReach& reach) {
   return {{"far_m", reach.far_m}, {"beyond_pct", reach.beyond_pct}};
 }
 
-/// What the plates at other exposures gave.
+/// Result of the plates at other exposures.
 nlohmann::json bracket_json(const std::vector<model::FoundExposure>& exposures) {
   nlohmann::json list = nlohmann::json::array();
   for (const model::FoundExposure& e : exposures) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// mixrig scan --merge: rooms scanned from several positions become one.
+// `mixrig scan --merge`: joins rooms that were scanned from several positions.
 #pragma once
 
 #include <string>
@@ -12,11 +12,11 @@
 namespace mixrig::tools {
 
 struct ScanMergeOptions {
-  std::vector<std::string> rooms;  ///< and last OUT, where that is not given for itself
+  std::vector<std::string> rooms;  ///< folders; the last one is OUT unless that is given
   std::string near;                ///< "x y z yaw" in metres and degrees; empty: none
 };
 
-/// Prints what was found and returns it as JSON. Errors: kUsage; those of session::merge_rooms().
+/// Prints the result and returns it as JSON. Errors: kUsage; those of session::merge_rooms().
 Result<nlohmann::json> scan_merge(const ScanMergeOptions& options, const std::string& out,
                                   int threads);
 

@@ -130,7 +130,7 @@ void print(const mocap::MocapTrack& track, const std::optional<stream::NatNetCou
     std::printf("%d without: %s\n", count, reason.c_str());
 }
 
-/// Where the room stands, as a scene says; none where it does not.
+/// Pose of the room in a scene; nullopt where the scene states none.
 Result<std::optional<geometry::Pose>> place_of_room(const std::string& file) {
   if (file.empty()) return std::optional<geometry::Pose>();
   MIXRIG_ASSIGN(const scene::Scene scene, scene::load_scene(file));

@@ -72,9 +72,9 @@ std::vector<Feature> features_of(const cv::Mat& grey, const cv::Mat& field, int 
 
 using Points = std::vector<cv::Point2f>;
 
-/// Of a place that KLT finds: that of sampling, and from the noise of both pictures' grey values
-/// and the gradients of the window. `strength` is of cv::cornerMinEigenVal: 4 times the smaller
-/// eigenvalue of the mean of the gradients' products, grey values from 0 to 1.
+/// Sigma (px) of a position found by KLT: from sampling, and from the noise of both pictures' grey
+/// values by the window's gradients. `strength`: of cv::cornerMinEigenVal, 4 times the smaller
+/// eigenvalue of the mean of the gradients' products, for grey values from 0 to 1.
 double sigma_of(const cv::Mat& strength, const cv::Point2f& px, double grey_sigma) {
   const double mean = strength.at<float>(cvRound(px.y), cvRound(px.x)) * 255.0 * 255.0 / 4;
   const double sum = std::max(mean, 1e-9) * kWindow_px * kWindow_px;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where places of the room show in the pictures of a sequence.
+// Tracks points of the room through the pictures of a sequence.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct Feature {
   Descriptor descriptor{};
 };
 
-/// At most `most` SIFT features where the camera has rays, the strongest first.
+/// Finds at most `most` SIFT features where the camera has rays, the strongest first.
 std::vector<Feature> find_features(ImageView<const std::uint8_t> grey,
                                    const geometry::AnyCamera& camera, int most);
 
@@ -33,7 +33,7 @@ struct Sighting {
   double sigma_px = 0;
 };
 
-/// One place through the sequence.
+/// Sightings of one point through the sequence.
 struct FeatureTrack {
   std::vector<Sighting> seen;  ///< by picture, each at most once
 };
@@ -50,33 +50,33 @@ struct FeatureTracks {
   std::vector<double> times_s;  ///< of all pictures
   std::vector<FeatureTrack> tracks;
   std::vector<KeyPicture> keys;
-  /// Of all pictures, smoothed for align_looks(); those after kMostKept_bytes are empty.
+  /// All pictures, smoothed for align_looks(); those after kMostKept_bytes are empty.
   std::vector<Image<std::uint8_t>> greys;
 };
 
 inline constexpr std::size_t kMostKept_bytes = 512U << 20U;
 
 struct TrackingOptions {
-  int tracks = 1500;      ///< that are followed at a time
-  int features = 2500;    ///< SIFT, of a key picture
+  int tracks = 1500;      ///< points tracked at a time
+  int features = 2500;    ///< SIFT features of a key picture
   double grey_sigma = 4;  ///< noise of a grey value, of 255
-  /// A picture becomes a key where the tracks moved so far since the last key (median), or 30 % of
-  /// them are gone.
+  /// A picture becomes a key where the tracks moved so far since the last key (median), or where 30
+  /// % of them are lost.
   double key_step_rad = 0.05;
 };
 
-/// Follows interest points (SIFT features and corners after Shi and Tomasi 1994) by KLT (Bouguet's
-/// pyramid) from picture to picture, forward and back; each place is aligned once more to the last
-/// key picture, so that it does not drift between keys. At each key, tracks that were lost are
-/// looked for again from the key pictures before. Not thread-safe.
+/// Tracks interest points (SIFT features and corners after Shi and Tomasi 1994) by KLT (Bouguet's
+/// pyramid) from picture to picture, forward and back. Each point is aligned once more to the last
+/// key picture, so that it does not drift between keys. At each key, lost tracks are searched for
+/// again from the earlier key pictures. Not thread-safe.
 class FeatureTracker {
  public:
   FeatureTracker(const geometry::AnyCamera& camera, const TrackingOptions& options);
   ~FeatureTracker();
 
-  /// Pictures of the camera's size in order of time.
+  /// Adds pictures of the camera's size in order of time.
   void add(ImageView<const Rgb8> picture, double time_s);
-  /// The result; the tracker is empty after it.
+  /// Returns the result and empties the tracker.
   FeatureTracks finish();
 
  private:

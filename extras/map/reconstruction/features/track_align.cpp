@@ -65,7 +65,7 @@ Wide window_weights() {
   return weights;
 }
 
-/// What sightings are aligned to.
+/// Template that sightings are aligned to.
 class LookTemplate {
  public:
   explicit LookTemplate(const Wide& mean) : weights_(window_weights()), mean_(mean) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reconstruction while it grows. Private to this module.
+// State of the reconstruction while it grows. Private to this module.
 #pragma once
 
 #include <optional>
@@ -19,18 +19,19 @@ struct KeySighting {
   estimation::Bearing ray;
 };
 
-/// Poses are camera_from_map of the key pictures; places and sightings are of the tracks.
+/// Poses are camera_from_map of the key pictures; places, covariances and sightings are those of
+/// the tracks.
 struct Growth {
   std::vector<std::optional<geometry::Pose>> poses;
   std::vector<std::optional<Eigen::Vector3d>> places;
   std::vector<Eigen::Matrix3d> covariances;
   std::vector<std::vector<KeySighting>> sightings;
-  std::vector<int> same_as;  ///< of each track the one that has its sightings now
+  std::vector<int> same_as;  ///< for each track the one that has its sightings now
   double residual_px = 0;
-  std::size_t followed = 0, known = 0;  ///< tracks that enough key pictures see; places of them
+  std::size_t followed = 0, known = 0;  ///< tracks that enough key pictures see; those with a place
 };
 
-/// As reconstruct(), of the key pictures alone.
+/// Reconstructs the key pictures alone, otherwise like reconstruct().
 Result<Growth> grow(const FeatureTracks& tracks, const geometry::AnyCamera& camera,
                     const ReconstructOptions& options);
 

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places that come into view again. Private to this module.
+// Finds points that come into view again (loop closure). Private to this module.
 #pragma once
 
 #include "extras/map/reconstruction/growth/growth.h"
 
 namespace mixrig::reconstruction {
 
-/// Squared distance of descriptors.
+/// Squared distance of two descriptors.
 int distance_of(const Descriptor& a, const Descriptor& b);
 
-/// A place that a key picture should show, but is not followed there, is looked for among the
-/// picture's features by its descriptor, near where it should lie. A feature found gives a
-/// sighting; where it belongs to another track, the two become one. Returns the number found.
+/// Searches for each point that a key picture should show but that is not tracked there: among the
+/// picture's features near its expected position, by descriptor. A match adds a sighting; where the
+/// feature belongs to another track, the two tracks are merged. Returns the number of matches.
 int join_loops(const FeatureTracks& tracks, const geometry::AnyCamera& camera, Growth& grown);
 
 }  // namespace mixrig::reconstruction

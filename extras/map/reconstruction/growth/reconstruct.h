@@ -10,24 +10,24 @@
 namespace mixrig::reconstruction {
 
 struct ReconstructOptions {
-  /// Of the two pictures that are begun with: so many of the places that agree with a motion are
-  /// explained by turning alone, at most.
+  /// Most pairs of the two start pictures, as a share of those that agree with a motion, that
+  /// rotation alone may explain.
   double most_turned_share = 0.7;
-  double least_angle_rad = 0.004;  ///< between the rays of a place, at least
-  int least_views = 3;             ///< key pictures that see a place
-  double most_sigma_share = 0.08;  ///< of a place's distance, along its worst axis
+  double least_angle_rad = 0.004;  ///< least angle between the rays of a point
+  int least_views = 3;             ///< least number of key pictures that see a point
+  double most_sigma_share = 0.08;  ///< limit relative to a point's distance, along its worst axis
   int threads = 1;
 };
 
-/// Two key pictures with parallax give the start (five-point method); each other key picture is
-/// added by its pose from known places, new places are triangulated, and poses and places are
-/// adjusted together, of the neighbours at each step and of all at the end. Then every track is
-/// aligned to its mean look, and all pictures are adjusted together, with the depth where there is
-/// some: a small motion is well known then, and the map is in metres. Places that few pictures see,
-/// that contradict them, or whose depth is not known are left out; so are those of people, who
-/// move. camera and calibration_hash are left empty. Errors: kData where the camera does not move
-/// enough (by turning alone, or fewer than a quarter of the followed places get a depth), or fewer
-/// than half of the key pictures fit together.
+/// Starts from two key pictures with parallax (five-point method). Adds each other key picture by
+/// its pose from known points, triangulates new points, and adjusts poses and points together:
+/// those of the neighbours at each step, all at the end. Then aligns every track to its mean
+/// appearance and adjusts all pictures together, with the depth if there is some, which makes small
+/// motions accurate and the map metric. Leaves out points that few pictures see, that contradict
+/// them, or whose depth is uncertain, and with these the points on moving people. camera and
+/// calibration_hash are left empty. Errors: kData where the camera does not move enough (it only
+/// rotates, or fewer than a quarter of the tracked points get a depth), or fewer than half of the
+/// key pictures fit together.
 Result<LearnedMap> reconstruct(const FeatureTracks& tracks, const geometry::AnyCamera& camera,
                                const ReconstructOptions& options = {},
                                const DepthRecord* depth = nullptr);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All pictures together, once the key pictures have given a start. Private to this module.
+// Adjusts all pictures together, after the key pictures have given a start. Private to this module.
 #pragma once
 
 #include <optional>
@@ -16,15 +16,15 @@ struct Survey {
   std::vector<std::optional<Eigen::Vector3d>> places;
   std::vector<Eigen::Matrix3d> covariances;
   double residual_px = 0, sigma_scale = 1;
-  std::size_t followed = 0, known = 0;  ///< tracks that enough pictures see; places of them
-  std::optional<MapScale> scale;        ///< poses and places are in metres
+  std::size_t followed = 0, known = 0;  ///< tracks that enough pictures see; those with a place
+  std::optional<MapScale> scale;        ///< if set, poses and places are in metres
 };
 
-/// Each track is aligned to its mean look with what the poses say how it turns (align_looks()), and
-/// poses and places are adjusted to that, of at most 200 pictures, evenly; the others get their
-/// poses from the places. Sigmas are those of the alignment times what the residuals say. Where
-/// `depth` (may be null) tells the scale (scale_by_depth()), the distances that it measured are
-/// adjusted too, each with 1 % of sigma.
+/// Aligns each track to its mean appearance (align_looks()), rotated by the poses, and adjusts
+/// poses and places of at most 200 pictures, evenly chosen, to the result; the other pictures get
+/// their poses from the places. Sigmas are those of the alignment, scaled by the residuals. Where
+/// `depth` (may be null) gives the scale (scale_by_depth()), the measured distances are adjusted
+/// too, each with a sigma of 1 %.
 Survey survey(const FeatureTracks& tracks, const geometry::AnyCamera& camera, const Growth& grown,
               const ReconstructOptions& options, const DepthRecord* depth);
 

@@ -10,13 +10,13 @@
 
 namespace mixrig::reconstruction {
 
-/// A sighting in a picture that is adjusted.
+/// A sighting in one of the adjusted pictures.
 struct SurveyRay {
   std::size_t seen;  ///< number in the track
   estimation::Bearing ray;
 };
 
-/// See survey().
+/// Runs survey() in steps.
 class Surveyor {
  public:
   Surveyor(const FeatureTracks& tracks, const geometry::AnyCamera& camera, const Growth& grown,
@@ -52,7 +52,7 @@ class Surveyor {
   Survey result_;
   std::vector<char> is_view_;                 ///< by picture
   std::vector<std::vector<SurveyRay>> rays_;  ///< by track, of views
-  std::vector<double> measured_;              ///< by track, relative to its distance; 0 not
+  std::vector<double> measured_;  ///< distance by track, relative to the map's; 0: not measured
 };
 
 }  // namespace mixrig::reconstruction

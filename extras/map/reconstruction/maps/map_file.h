@@ -12,36 +12,36 @@
 
 namespace mixrig::reconstruction {
 
-/// The file that says that a folder is a map.
+/// File whose presence marks a folder as a map.
 inline constexpr const char* kMapManifest = "map.toml";
 
-/// Whole or not at all, in place of an older map. Errors: kUsage where the folder holds something
-/// else; kIo.
+/// Writes the map whole or not at all, replacing an older map. Errors: kUsage where the folder
+/// holds something else; kIo.
 Result<void> write_map(const LearnedMap& map, const std::filesystem::path& folder);
 
-/// Errors: kNotFound, kFormat (file:line, or what disagrees), kData for a picture that cannot be
-/// read.
+/// Reads a map. Errors: kNotFound, kFormat (file:line, or what disagrees), kData for a picture that
+/// cannot be read.
 Result<LearnedMap> load_map(const std::filesystem::path& folder);
 
-/// What map.toml says: counts beside the fields of a map that stand there.
+/// Contents of map.toml: fields of a map, and counts.
 struct MapManifest {
   LearnedMap map;
   int keys = 0, points = 0, descriptors = 0;
 };
-/// Pure: fuzzers call it; `name` stands for the file. Errors: kFormat.
+/// Parses map.toml; `name` is the file's name in errors. Pure: fuzzers call it. Errors: kFormat.
 Result<MapManifest> parse_map_manifest(std::string_view text, const std::string& name);
 
 struct MapPoints {
   std::vector<MapPoint> points;
   std::vector<MapDescriptor> descriptors;
 };
-/// points.bin (docs/reference/room_file.md) of a map with that many key pictures. Pure. Errors:
+/// Parses points.bin (docs/reference/room_file.md) of a map with `keys` key pictures. Pure. Errors:
 /// kFormat for another length than its header says, values that are not finite, and numbers out of
 /// range.
 Result<MapPoints> parse_map_points(std::span<const std::byte> bytes, int keys,
                                    const std::string& name);
 
-/// TUM lines "t x y z qx qy qz qw".
+/// Poses as lines of the TUM format "t x y z qx qy qz qw".
 std::string tum_text(const std::vector<trajectory::TimedPose>& poses);
 
 }  // namespace mixrig::reconstruction

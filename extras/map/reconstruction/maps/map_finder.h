@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a camera is in a learned map, by how its points look (Frahm, Koeser, Grest and Koch 2005,
-// section 4.2).
+// Finds a camera in a learned map by the appearance of its points (Frahm, Koeser, Grest and Koch
+// 2005, section 4.2).
 #pragma once
 
 #include <vector>
@@ -10,9 +10,9 @@
 
 namespace mixrig::reconstruction {
 
-/// SIFT features of the picture are matched to the map's descriptors (ratio to the best of another
-/// point, Lowe 2004), P3P under random sampling gives a pose, and the patches are aligned from
-/// there. The field is not needed. Allocates; not thread-safe.
+/// Matches SIFT features of the picture to the map's descriptors (ratio to the best of another
+/// point, Lowe 2004), estimates a pose by P3P under random sampling, and aligns the patches from
+/// there. Ignores the search field. Allocates; not thread-safe.
 class MapFinder final : public tracking::PoseFinder {
  public:
   /// `patches` and `camera` must outlive it; the map is copied.

@@ -23,7 +23,7 @@ using Matrix7 = Eigen::Matrix<double, 7, 7>;
 constexpr std::size_t kFewestKeys = 3;
 constexpr double kSameTurn_rad = 0.02, kSamePlace_m = 0.04;
 constexpr double kRoomTukey = 4.685;
-/// Of a surface of the room, beside what it says: it is interpolated.
+/// Standard deviation of a room's surface by interpolation, in addition to its stated one.
 constexpr double kSurfaceSigma_m = 0.005;
 /// Points of a part of the room: 8 azimuths, 4 elevations.
 constexpr std::size_t kParts = 32;
@@ -46,8 +46,8 @@ struct Facet {
   std::size_t part = 0;
 };
 
-/// What the room's origin sees in the direction of a point; none over steps and what is not
-/// measured.
+/// Surface that the room's origin sees in the direction of a point; nullopt across steps and where
+/// nothing is measured.
 std::optional<Facet> facet_behind(const model::Panorama& room, const Vector3d& point_m) {
   constexpr int kReach = 2;
   const Size size = room.size();
@@ -79,7 +79,7 @@ std::optional<Facet> facet_behind(const model::Panorama& room, const Vector3d& p
   return Facet{place(0, 0), normal.normalized(), room.sigma_m.at(x, y), 4 * sector + belt};
 }
 
-/// Of the key pictures that `by` lays on their poses.
+/// Key pictures that `by` aligns with their poses in the room.
 std::vector<std::size_t> agreeing(const LearnedMap& map, std::span<const KeyInRoom> found,
                                   const estimation::Similarity& by) {
   std::vector<std::size_t> those;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A learned map as patches that the tracker aligns.
+// Converts a learned map to patches that the tracker aligns.
 #pragma once
 
 #include "extras/map/reconstruction/maps/learned_map.h"
@@ -8,10 +8,10 @@
 
 namespace mixrig::reconstruction {
 
-/// One patch for each point and each of `levels` resolutions, the finest that of the point's key
-/// picture. Its pixels lie on a plane through the point: that of the points around it where they
-/// agree on one, else across the view. `camera` took the key pictures. Points whose surroundings
-/// have no contrast give none; nothing hides anything.
+/// Makes one patch for each point and each of `levels` resolutions, the finest that of the point's
+/// key picture. Its pixels lie on a plane through the point: the plane of the points around it
+/// where they agree on one, else a plane across the view. `camera` took the key pictures. Points
+/// without contrast around them have no patch; occlusion is ignored.
 tracking::PatchMap patches_of(const LearnedMap& map, const geometry::AnyCamera& camera,
                               int levels = 5);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses and places together, by least squares of their rays (bundle adjustment, Triggs et al.
-// 1999).
+// Adjusts poses and places together by least squares of their rays (bundle adjustment, Triggs et
+// al. 1999).
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ struct BundleRay {
   estimation::Bearing ray;
 };
 
-/// How far a place is from a view by other means.
+/// Measured distance between a place and a view.
 struct BundleRange {
   int view = 0, place = 0;
   double range = 0, sigma = 0;
@@ -23,15 +23,15 @@ struct BundleRange {
 
 struct Bundle {
   std::vector<geometry::Pose> camera_from_map;
-  std::vector<bool> fixed;  ///< views that stay; at least one
+  std::vector<bool> fixed;  ///< views that stay fixed; at least one
   std::vector<Eigen::Vector3d> places;
   std::vector<BundleRay> rays;
   std::vector<BundleRange> ranges;
 };
 
-/// Minimises ray_error with Huber's loss from 2 sigmas on, and the errors of the ranges with
+/// Minimises ray_error() with Huber's loss from 2 sigmas on, and the errors of the ranges with
 /// Cauchy's. Views and places move; without ranges and two fixed views the scale is free and stays
-/// near what it was. False where the solver fails: nothing moved.
+/// near its start. False, with nothing moved, where the solver fails.
 bool adjust(Bundle& bundle, int iterations, int threads);
 
 }  // namespace mixrig::reconstruction

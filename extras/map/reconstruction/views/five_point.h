@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two calibrated views from five rays. Private to this module.
+// Estimates the relative pose of two calibrated views from five pairs of rays. Private to this
+// module.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pose of a camera from places and the rays that see them, many of which may be wrong.
+// Estimates a camera's pose from places and the rays that see them, many of which may be wrong.
 #pragma once
 
 #include <optional>
@@ -13,20 +13,21 @@ namespace mixrig::reconstruction {
 
 struct Resection {
   geometry::Pose camera_from_map;
-  /// Of (rotation vector rad, translation): R = exp(w) * R_estimate; the places taken as known.
+  /// Covariance of (rotation vector rad, translation), R = exp(w) * R_estimate, with the places
+  /// taken as exact.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   std::vector<int> inliers;  ///< within 3 sigma
-  double rms = 0;            ///< of their errors, in sigmas of one coordinate
+  double rms = 0;            ///< of the inliers' errors, in sigmas of one coordinate
 };
 
-/// From a start that is nearly right: Gauss-Newton on ray_error with Tukey's weights. nullopt where
-/// fewer than 6 places agree or they do not determine the pose.
+/// Refines a start that is nearly right: Gauss-Newton on ray_error() with Tukey's weights. nullopt
+/// where fewer than 6 places agree or they do not determine the pose.
 std::optional<Resection> refine_pose(std::span<const Eigen::Vector3d> places,
                                      std::span<const estimation::Bearing> rays,
                                      const geometry::Pose& start);
 
-/// Without a start: the best of `trials` samples of three (estimation::solve_p3p, MSAC with
-/// `limit` sigmas), refined.
+/// Finds the pose without a start: the best of `trials` samples of three (estimation::solve_p3p,
+/// MSAC with `limit` sigmas), refined.
 std::optional<Resection> find_pose(std::span<const Eigen::Vector3d> places,
                                    std::span<const estimation::Bearing> rays, double limit = 4,
                                    int trials = 500);

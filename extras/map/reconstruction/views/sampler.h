@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random samples that are the same in every run. Private to this module.
+// Draws random samples that are equal in every run. Private to this module.
 #pragma once
 
 #include <algorithm>

@@ -66,7 +66,7 @@ bool in_front(const geometry::Pose& b_from_a, const RayPair& pair) {
   return z_a > 0 && z_b > 0;
 }
 
-/// Of the four motions of an essential matrix the one with most places in front.
+/// The motion with most places in front of both cameras, among the four of an essential matrix.
 geometry::Pose motion_of(const Matrix3d& e, std::span<const RayPair> pairs,
                          std::span<const int> inliers) {
   const estimation::SingularValues svd = estimation::singular_values_of(e);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all of the page uses: the state that the rig sent, elements, and requests for changes.
+// Shared by all of the page: the last state received, elements, and requests for changes.
 'use strict';
 
 const state = {};

@@ -18,18 +18,18 @@ namespace mixrig::page {
 
 struct Hub;
 
-/// A UDP port. Who sends a message that can be read is told the state, and each change of it, at
-/// the address and port that it sends from; the last eight senders are. Beyond the loop-back
-/// address an address has to begin with "/TOKEN", that of the page where it has one; what does not
-/// is dropped without an answer. On the server's thread.
+/// A UDP port. The last eight senders of a readable message get the state, and each change of it,
+/// at the address and port they send from. Beyond the loop-back address an OSC address must begin
+/// with "/TOKEN", the page's token if it has one; other messages are dropped without an answer.
+/// Used on the server's thread.
 class OscPort {
  public:
   explicit OscPort(Hub& hub);
-  /// Errors: kIo where the port is taken or the address is not of this machine.
+  /// Opens the port. Errors: kIo where the port is taken or the address is not of this machine.
   Result<void> open(const Listen& listen);
   void tell(const nlohmann::json& state);
   std::uint16_t port() const { return port_; }
-  /// What addresses begin with: "" or "/TOKEN".
+  /// Prefix of OSC addresses: "" or "/TOKEN".
   const std::string& prefix() const { return prefix_; }
 
  private:

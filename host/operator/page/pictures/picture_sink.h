@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the pictures of the page out of composites.
+// Makes the page's pictures from composites.
 #pragma once
 
 #include <memory>
@@ -9,8 +9,8 @@
 
 namespace mixrig::page {
 
-/// Asks for images only while somebody looks. Depth is mixed depth, warm near and cold far, in a
-/// range that follows the pictures slowly. Quality of the JPEGs: 80.
+/// Requests images only while a client views them. Depth is mixed depth, warm near and cold far, in
+/// a range that follows the pictures slowly. JPEG quality: 80.
 class PictureSink final : public output::CompositeSink {
  public:
   explicit PictureSink(std::shared_ptr<Pictures> pictures) : pictures_(std::move(pictures)) {}

@@ -49,7 +49,7 @@ PictureStream::~PictureStream() {
 }
 
 void PictureStream::start() {
-  // What the kernel holds is old when it arrives: hold little.
+  // Keeps the kernel's buffer small, since buffered pictures arrive late.
   boost::system::error_code ignored;
   stream_.socket().set_option(asio::socket_base::send_buffer_size(64 << 10), ignored);
   stream_.socket().set_option(asio::ip::tcp::no_delay(true), ignored);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One client that looks at pictures: one of them, or a stream (MJPEG). Private to this module.
+// Sends one picture, or a stream of them (MJPEG), to one client. Private to this module.
 #pragma once
 
 #include <memory>
@@ -12,9 +12,10 @@
 
 namespace mixrig::page {
 
-/// A client gets the newest picture when it has taken the one before: a slow one misses some, and
-/// holds no more than one. Each part has X-Frame (number of the capture), X-Captured-Ms (its
-/// mid-exposure on the host's clock) and X-Age-Ms (at the time of sending). On the server's thread.
+/// Sends the newest picture when the client has taken the one before; a slow client misses some,
+/// and holds no more than one. Each part has X-Frame (number of the capture), X-Captured-Ms (its
+/// mid-exposure on the host's clock) and X-Age-Ms (at the time of sending). Used on the server's
+/// thread.
 class PictureStream : public std::enable_shared_from_this<PictureStream> {
  public:
   PictureStream(Hub& hub, boost::beast::tcp_stream stream, GetPicture wanted);
@@ -34,9 +35,9 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
   Hub& hub_;
   boost::beast::tcp_stream stream_;
   const GetPicture wanted_;
-  boost::asio::steady_timer patience_;  ///< for a single picture
+  boost::asio::steady_timer patience_;  ///< time limit for a single picture
   bool writing_ = false;
-  std::uint64_t sent_ = 0;  ///< serial of the last one
+  std::uint64_t sent_ = 0;  ///< serial of the last picture sent
   std::string head_;
   PicturePtr sending_;
   char ignored_ = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The newest picture of each view, as JPEG, between the sink that makes them and the clients.
+// Newest JPEG picture of each view, between the sink that makes them and the clients.
 #pragma once
 
 #include <array>
@@ -30,16 +30,16 @@ using PicturePtr = std::shared_ptr<const Picture>;
 using output::kViews;
 using output::View;
 
-/// Takes a picture as it is, on the sink's thread; must not wait.
+/// Receives a picture uncompressed on the sink's thread; must not wait.
 using TakePicture = std::function<void(ImageView<const Rgb8>, int frame, HostTime mid_exposure)>;
 
-/// Any threads. Holds one picture a view; older ones live while a client is being sent them.
+/// Holds one picture for each view; older ones live while they are being sent. Thread-safe.
 class Pictures {
  public:
   /// While the run's pictures are frozen, they stay as they are. `orders` must outlive it.
   explicit Pictures(const output::RunOrders& orders) : orders_(orders) {}
 
-  /// Pictures of a view are made while somebody looks at it.
+  /// Counts a client that views pictures of a view; they are made only while one does.
   void look(View view) { ++lookers_[index(view)]; }
   void look_away(View view) { --lookers_[index(view)]; }
   bool is_looked_at(View view) const { return lookers_[index(view)] > 0; }

@@ -16,7 +16,7 @@
 
 namespace mixrig::page {
 
-/// What GStreamer's threads are given; lives as long as one of them may use it.
+/// State shared with GStreamer's threads; lives as long as one of them may use it.
 struct WebrtcListener {
   std::mutex mutex;
   WebrtcPeer::Tell tell;

@@ -15,30 +15,30 @@
 
 namespace mixrig::page {
 
-/// VP8 in real time, one encoder a peer: of pictures that come faster than they are encoded the
-/// newest is. It is reached at one address (UDP, a port that the system chooses), asks no server
-/// for its address (no STUN, no TURN), and sends to nobody who has not come to that address with
-/// the keys of the answer.
+/// Encodes VP8 in real time, one encoder for each peer; pictures that come faster than they are
+/// encoded are skipped, except the newest. The peer is reached at one address (UDP, a port that the
+/// system chooses), asks no server for its address (no STUN, no TURN), and sends only to a client
+/// that contacted that address with the keys of the answer.
 class WebrtcPeer {
  public:
-  /// The offer to the browser, with the candidate in it; later, or instead, why there is no
-  /// picture. Called on threads of GStreamer; must not wait.
+  /// Receives the offer to the browser with the candidate in it; later, or instead, an error that
+  /// says why there is no picture. Called on threads of GStreamer; must not wait.
   using Tell = std::function<void(Result<std::string> offer)>;
 
-  /// Takes some 0.1 s. `address` is one of this machine. Errors: kUnsupported where a plug-in is
-  /// missing, naming its Debian package; kIo.
+  /// Makes a peer; takes some 0.1 s. `address` belongs to this machine. Errors: kUnsupported where
+  /// a plug-in is missing, naming its Debian package; kIo.
   static Result<std::shared_ptr<WebrtcPeer>> create(const std::string& address, Tell tell);
-  /// May take a while: threads of GStreamer end. After it `tell` is not called any more.
+  /// Ends threads of GStreamer, which may take a while. `tell` is not called afterwards.
   ~WebrtcPeer();
   WebrtcPeer(const WebrtcPeer&) = delete;
   WebrtcPeer& operator=(const WebrtcPeer&) = delete;
 
-  /// What comes of it is told. Once.
+  /// Takes the browser's answer, once. Errors that follow are passed to `tell`.
   void take(const WebrtcAnswer& answer);
   /// Gives a picture to the encoder, without waiting. Returns its RTP time stamp (90 kHz, modulo
-  /// 2^32), by which the browser knows it; nothing where it could not be given. The stamp is of
-  /// `now`, not of mid-exposure: browsers hold pictures back by how unevenly they come after their
-  /// stamps. One thread at a time.
+  /// 2^32), by which the browser identifies it; nullopt where the encoder did not take it. The
+  /// stamp is of `now`, not of mid-exposure: browsers delay pictures by the jitter between arrival
+  /// and stamp. One thread at a time.
   std::optional<std::uint32_t> put(ImageView<const Rgb8> picture, HostTime now);
 
  private:

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A browser that is sent pictures by WebRTC: its socket, and the peer that lives as long. Private
-// to this module.
+// Socket of a browser that receives pictures by WebRTC, with its peer. Private to this module.
 #pragma once
 
 #include <memory>
@@ -14,9 +13,9 @@ namespace mixrig::page {
 
 inline constexpr int kMostPeers = 2;  ///< each has an encoder
 
-/// The rig offers, the browser answers (webrtc_answer.h); then each picture is told with its frame,
-/// mid-exposure and RTP time stamp. Where there can be none, why not. The rest on the server's
-/// thread; GStreamer is begun and ended in Hub::peer_work.
+/// Sends the offer and takes the browser's answer (webrtc_answer.h), then sends frame number,
+/// mid-exposure and RTP time stamp of each picture, or the reason why there is no picture. Used on
+/// the server's thread; GStreamer is begun and ended in Hub::peer_work.
 class WebrtcSocket final : public TextSocket {
  public:
   WebrtcSocket(Hub& hub, boost::beast::tcp_stream stream, View view);

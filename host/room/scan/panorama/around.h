@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The four pixels of a panorama around a place.
+// Bilinear neighbourhood: the four pixels of a panorama around a position.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ struct Around {
     y0 = std::clamp(static_cast<int>(top), 0, size.height - 1);
     y1 = std::clamp(static_cast<int>(top) + 1, 0, size.height - 1);
   }
-  /// Top left, top right, bottom left, bottom right.
+  /// Values of the image at top left, top right, bottom left, bottom right.
   template <typename T>
   std::array<T, 4> of(const Image<T>& image) const {
     return {image.row(y0)[x0], image.row(y0)[x1], image.row(y1)[x0], image.row(y1)[x1]};

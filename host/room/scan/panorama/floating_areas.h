@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What floats before a wall: a thing that hangs, or the depth of a mirror. Private to this module.
+// Finds areas that float before a wall: hanging things, or the depth of a mirror. Private to this
+// module.
 #pragma once
 
 #include <array>
@@ -10,21 +11,22 @@
 
 namespace mixrig::model {
 
-/// Surfaces before a plane, joined without a depth step, whose border lies on the plane.
+/// Area of surfaces before a plane, joined without a depth step, whose border lies on the plane.
 struct FloatingArea {
-  Eigen::Vector3d direction;  ///< of its middle, of unit length
+  Eigen::Vector3d direction;  ///< unit vector to its middle
   double solid_angle_sr = 0;
-  double noise = 0;  ///< median of sigma / distance^2 over that of the plane around it: how much
-                     ///< less light returns than from the plane
+  double noise = 0;  ///< median of sigma / distance^2 over that of the plane around the area: how
+                     ///< much less light returns than from the plane
   std::vector<std::array<int, 2>> pixels;
 };
 
-/// Of at least 9 square degrees.
+/// Finds floating areas of at least 9 square degrees.
 std::vector<FloatingArea> floating_areas(const Panorama& panorama,
                                          std::span<const RoomPlane> planes);
 
-/// Makes unknown what floats and is noisier by far than the wall behind it: its light is too weak
-/// for its distance, which has wrapped around behind a mirror. Its places go to Panorama::wrapped.
+/// Makes floating areas unknown that are far noisier than the wall behind them: so little light
+/// does not fit their distance, which has wrapped around behind a mirror. Adds their directions to
+/// Panorama::wrapped.
 void forget_wrapped(Panorama& panorama);
 
 }  // namespace mixrig::model

@@ -71,7 +71,8 @@ MetSample sample_at(const ScanView& view, const Vector2d& px, double pixels_per_
   return {value, sigma, inside / (sigma * sigma) / std::sqrt(1 + slope * slope)};
 }
 
-/// Where a ray from the origin meets the surface that a view measured; weight 0 where it does not.
+/// Intersects a ray from the origin with the surface that a view measured; weight 0 where it does
+/// not meet it.
 MetSample meet(const PreparedView& from, const Vector3d& ray, const geometry::CameraModel& tof,
                double guess_m) {
   MetSample found;
@@ -214,7 +215,8 @@ double share_of_field(const Panorama& panorama, const Counts& counts) {
   return all > 0 ? counted / all : 0;
 }
 
-/// As fine as the target camera in the middle of its picture, within what is worth its memory.
+/// Factor that makes colour as fine as the target camera in the middle of its picture, limited by
+/// memory.
 int color_factor(const geometry::CameraModel& target, int height) {
   constexpr int kMostFactor = 3;
   const double panorama_px_per_rad = height / std::numbers::pi;

@@ -16,13 +16,13 @@
 
 namespace mixrig::model {
 
-/// One view of the head, its frames averaged.
+/// A view of the head: its frames averaged.
 struct ScanView {
   geometry::Pose base_from_tof, base_from_target;
   Image<float> distance_m;  ///< along the ray of each ToF pixel; 0 = unknown
   Image<float> sigma_m;     ///< of distance_m
   Image<Rgb8> plate;        ///< distorted, of the target camera
-  /// The same at another exposure, over that of `plate`.
+  /// Picture at another exposure. `exposure`: its exposure time over that of `plate`.
   struct Bracket {
     double exposure = 1;
     Image<Rgb8> plate;
@@ -32,11 +32,12 @@ struct ScanView {
   float light_limit = 0;   ///< a channel of `light` that reaches it is a lower limit
 };
 
-/// Averages the depth of a view's frames, each weighted by the square of its amplitude: that is by
+/// Averages the depth of a view's frames, each weighted by the square of its amplitude, which is
 /// the inverse of its variance (Schiller et al. 2010, section 3). Where frames saw several
-/// surfaces, further apart than noise, the one that most of them saw counts, of as many the farther
-/// one: who walked through stood before the room. Where none was seen twice, all are averaged: they
-/// may be noise. A fifth surface is left out. Not thread-safe.
+/// surfaces, farther apart than noise, the surface that most frames saw counts, and of equally
+/// frequent ones the farthest, since people who walk through stand before the room. Where no
+/// surface was seen twice, all values are averaged: they may be noise. A fifth surface is left out.
+/// Not thread-safe.
 class ViewAverage {
  public:
   /// `depth_is_distance`: depth is along the ray, not along z.
@@ -66,11 +67,11 @@ class ViewAverage {
   Image<Surfaces> surfaces_;
 };
 
-/// A large plane of the room: points p in base axes with inverse_per_m . p = 1. It does not hold
-/// the origin.
+/// A large plane of the room: points p in base axes with inverse_per_m . p = 1. The origin does not
+/// lie on it.
 struct RoomPlane {
   Eigen::Vector3d inverse_per_m;  ///< unit normal over distance from the origin
-  double solid_angle_sr = 0;      ///< of what was found on it
+  double solid_angle_sr = 0;      ///< solid angle of the pixels that were found on it
 
   /// Distance along a unit ray; 0 where the ray does not meet it.
   double distance_m(const Eigen::Vector3d& ray) const {
@@ -79,48 +80,48 @@ struct RoomPlane {
   }
 };
 
-/// A part of the room.
+/// A part of the room: its direction and size.
 struct RoomArea {
-  Eigen::Vector3d direction;  ///< of its middle, of unit length
+  Eigen::Vector3d direction;  ///< unit vector to its middle
   double solid_angle_sr = 0;
 };
 
-/// What makes the pictures of all views equally bright (view_gains.h).
+/// Corrections that make the pictures of all views equally bright (view_gains.h).
 struct ViewGains {
   std::vector<Eigen::Array3f> gains;  ///< of each view, for linear red, green, blue
   geometry::Vignetting vignetting;    ///< of the target camera
-  int samples = 0;                    ///< pairs of views at a place, held out
-  /// Robust root mean squares of what the held-out pairs disagree by, without and with.
+  int samples = 0;                    ///< held-out pairs of views that see the same place
+  /// Robust root mean square differences of the held-out pairs, without and with the corrections.
   double before_pct = 0, after_pct = 0;
 };
 
-/// Equirectangular, from the origin of the unit's base (z up along the pan axis, x along the tilt
-/// axis, y ahead). Column x is at azimuth pi - 2 pi (x + 0.5) / width, counter-clockwise from ahead
-/// as pan is; row y at elevation pi/2 - pi (y + 0.5) / height.
+/// Equirectangular picture from the origin of the unit's base (z up along the pan axis, x along the
+/// tilt axis, y ahead). Column x is at azimuth pi - 2 pi (x + 0.5) / width, counter-clockwise from
+/// ahead as pan is; row y at elevation pi/2 - pi (y + 0.5) / height.
 struct Panorama {
-  Image<float> distance_m;    ///< from the origin; 0 = unknown
-  Image<float> sigma_m;       ///< of distance_m; of filled pixels that of the neighbours and more
-  Image<std::uint8_t> views;  ///< that agree on distance_m; 0: filled or unknown
+  Image<float> distance_m;  ///< from the origin; 0 = unknown
+  Image<float> sigma_m;     ///< of distance_m; in filled pixels that of their neighbours, increased
+  Image<std::uint8_t> views;  ///< number of views that agree on distance_m; 0: filled or unknown
   Image<std::uint8_t> field;  ///< 1 where a view's frustum is
   Image<Rgb8> color;          ///< sRGB; black = unknown; 1 to 8 times as many pixels a side
   Image<RgbHalf> light{};     ///< as `color`, linear and above 1; empty where no view has light
   Image<std::uint8_t> light_saturated{};  ///< 1 where `light` is a lower limit
   double measured_share = 0;              ///< of the field's solid angle, before holes are filled
-  double known_share = 0;                 ///< after
-  std::vector<RoomPlane> planes{};        ///< that it was straightened to, the largest first
-  std::vector<RoomArea> wrapped{};        ///< made unknown: depth of a mirror that wrapped around
-  ViewGains gains{};                      ///< that its colour was made with
+  double known_share = 0;                 ///< share after holes are filled
+  std::vector<RoomPlane> planes{};        ///< planes it was straightened to, the largest first
+  std::vector<RoomArea> wrapped{};        ///< areas made unknown: wrapped depth of mirrors
+  ViewGains gains{};                      ///< gains of its colour
 
   Size size() const { return distance_m.size(); }
 };
 
-/// Whether neighbours at these distances, the lower first, are on two surfaces.
+/// Whether neighbours at these distances, the lower first, belong to two surfaces.
 bool is_depth_step(float low_m, float high_m);
 
 /// Unit direction of a pixel in base axes.
 Eigen::Vector3d direction_of(Size panorama, int x, int y);
 
-/// The same of all pixels, from the sines and cosines of columns and rows.
+/// Fast direction_of() for all pixels of a size: from sines and cosines of columns and rows.
 class Directions {
  public:
   explicit Directions(Size panorama);
@@ -136,7 +137,7 @@ class Directions {
   std::vector<Eigen::Vector2d> columns_, rows_;
 };
 
-/// Height of a panorama (even; its width is twice that), and the rungs.
+/// Height of a panorama (even; its width is twice that), and the steps that are done.
 struct PanoramaOptions {
   int height_px = 720;
   bool smooth = true;
@@ -144,17 +145,18 @@ struct PanoramaOptions {
   bool equalise = true;
 };
 
-/// Looks for the surface on each ray of the panorama in each view: the point on the ray that the
-/// view measures at its own pixel, found by fixed-point steps from the ray's distance to the view's
-/// (the camera is centimetres from the origin, the room metres). Values of several views are joined
-/// by 1/sigma^2 times the cosine of incidence, falling to the picture's border; where views
-/// disagree, the distance that most of them see is kept, of as many the farther one, since what
-/// moved stood before the room. Small holes are filled from their border.
+/// Fuses the views. On each ray of the panorama it looks for the surface in each view: the point on
+/// the ray that the view measures at its own pixel, found by fixed-point steps from the ray's
+/// distance to the view's (the camera is centimetres from the origin, the room metres). Values of
+/// several views are averaged with weights 1/sigma^2 times the cosine of incidence, falling to the
+/// picture's border. Where views disagree, the distance that most of them see counts, and of
+/// equally frequent ones the farthest, since what moved stood before the room. Small holes are
+/// filled from their border.
 /// `smooth` averages the inverse distances of pixels within 3 pixels in elevation, in pairs
-/// opposite each other, where a pair agrees with the pixel to three sigma. `straighten` moves what
-/// lies on large planes onto them (room_planes.h), and makes unknown what floats before them with
-/// the scatter of depth that wrapped around. `equalise` takes out what the views' exposures
-/// and the lens's corners differ by (view_gains.h).
+/// opposite each other, where a pair agrees with the pixel to three sigma. `straighten` moves
+/// surfaces on large planes onto them (room_planes.h), and makes unknown what floats before them
+/// with the scatter of depth that wrapped around. `equalise` removes differences of the views'
+/// exposures and the darkening of the lens's corners (view_gains.h).
 Panorama make_panorama(std::span<const ScanView> views, const geometry::CameraModel& tof,
                        const geometry::CameraModel& target, const PanoramaOptions& options,
                        Crew& crew);

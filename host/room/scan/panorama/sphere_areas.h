@@ -16,12 +16,13 @@ struct SphereArea {
   double solid_angle_sr = 0;
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< mean, of unit length
   std::vector<std::array<int, 2>> pixels;
-  std::vector<std::array<int, 2>> border;  ///< pixels outside, next to it; some more than once
-  bool holds_marked = false;               ///< the marked direction
+  std::vector<std::array<int, 2>> border;  ///< neighbours outside of it; some more than once
+  bool holds_marked = false;               ///< it contains the marked direction
 };
 
-/// Connected pixels (by sides, columns go around) that `is_part(x, y)`, where `is_joined` says so
-/// of two neighbours (x, y, u, v). `marked`: a direction, or zero for none.
+/// Finds areas of connected pixels (by sides, columns go around) for which `is_part(x, y)` holds.
+/// `is_joined(x, y, u, v)` says whether two neighbours are connected. `marked`: a direction, or
+/// zero for none.
 template <typename IsPart, typename IsJoined>
 std::vector<SphereArea> areas_of(Size size, const Directions& directions,
                                  const Eigen::Vector3d& marked, const IsPart& is_part,
@@ -63,7 +64,7 @@ std::vector<SphereArea> areas_of(Size size, const Directions& directions,
   return areas;
 }
 
-/// The same where all neighbours are joined.
+/// Finds areas whose neighbouring pixels are all connected.
 template <typename IsPart>
 std::vector<SphereArea> areas_of(Size size, const Directions& directions,
                                  const Eigen::Vector3d& marked, const IsPart& is_part) {

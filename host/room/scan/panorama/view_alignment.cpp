@@ -104,7 +104,7 @@ class Aligner {
     }
   }
 
-  /// Of each view, in overlaps with any other, at the turns of now.
+  /// Held-out errors of each view in overlaps with any other, at the current turns.
   std::vector<HeldOut> held_out() {
     std::vector<HeldOut> out(views_.size());
     for (std::size_t view = 0; view < views_.size(); ++view)

@@ -33,7 +33,7 @@ constexpr double kGainSigma = 0.3, kLensSigma = 0.5;  ///< before anything is se
 constexpr double kWorthwhile = 0.95;                  ///< of the held-out error
 constexpr double kSigmaOfMedian = 1.4826;
 
-/// What one view sees at a place.
+/// Colour of a place in one view.
 struct Sight {
   int view = 0;
   double r2 = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Views of a sweep whose pictures are not equally bright: the camera changed its exposure or white
-// balance between them, and its lens darkens the corners. Found where views overlap.
+// Finds how much brighter or darker the views of a sweep are, where they overlap. The camera may
+// change its exposure or white balance between views, and its lens darkens the corners.
 #pragma once
 
 #include <span>
@@ -11,12 +11,12 @@
 namespace mixrig::model {
 
 /// Compares the colours of the views that see the same surface (within depth and its sigma) in
-/// places without texture, saturation or darkness. With c the linear colour of one place in view i,
-/// r its distance from the principal point over half the picture's diagonal, log c + gain_i + a r^2
-/// + b r^4 has to be the same in all views (Goldman and Chen 2005 name the ambiguities; here light
-/// is linear and vignetting even), in the least squares of robust weights. The mean of all gains
-/// stays 1. A third of the places is held out: where these do not agree better by a twentieth, all
-/// stays as it is.
+/// places without texture, saturation or darkness. For the linear colour c of a place in view i, at
+/// distance r from the principal point over half the picture's diagonal, it minimises the
+/// differences of log c + gain_i + a r^2 + b r^4 between views by robust least squares. (Goldman
+/// and Chen 2005 name the ambiguities; here light is linear and vignetting radial.) The mean of all
+/// gains stays 1. A third of the places is held out: unless these agree better by a twentieth,
+/// nothing is corrected.
 /// `panorama` needs distances and views.
 ViewGains find_gains(std::span<const ScanView> views, const geometry::CameraModel& tof,
                      const geometry::CameraModel& target, const Panorama& panorama, Crew& crew);

@@ -30,7 +30,7 @@ std::vector<geometry::Pose> cube() {
   return {face(y, -z), face(-x, -z), face(-y, -z), face(x, -z), face(z, y), face(-z, -y)};
 }
 
-/// Where a direction lies in a panorama of that size; the inverse of direction_of().
+/// Position of a direction in a panorama of that size; the inverse of direction_of().
 Vector2d place_of(Size size, const Vector3d& ray) {
   const double azimuth = std::atan2(-ray.x(), ray.y());
   const double elevation = std::atan2(ray.z(), std::hypot(ray.x(), ray.y()));

@@ -11,21 +11,22 @@
 
 namespace mixrig::model {
 
-/// The faces stand below one another in the images; those that know nothing are left out.
+/// Faces of the cube, one below the other in the images; faces without known pixels are left out.
 struct RoomFaces {
-  geometry::Pinhole camera;  ///< of each face; a margin of two depth samples overlaps with others
+  geometry::Pinhole camera;  ///< of each face; faces overlap by a margin of two depth samples
   std::vector<geometry::Pose> base_from_face;  ///< camera axes: x right, y down, z ahead
   Image<float> depth_m;                        ///< z, 0 unknown
   Image<float> depth_sigma_m;
-  Image<Rgbx8> color;    ///< learned_color(); its spread is that of shifts by up to half a pixel
-  int color_factor = 1;  ///< pixels of it a pixel of depth, along a side
+  Image<Rgbx8> color;    ///< learned_color(); its spread covers shifts by up to half a pixel
+  int color_factor = 1;  ///< colour pixels per depth pixel, along a side
 };
 
-/// In the middle of a face as many pixels as the panorama has.
+/// Makes the faces; in the middle of a face the resolution is that of the panorama.
 RoomFaces make_faces(const Panorama& panorama, Crew& crew);
 
-/// Gives what differs between two states of the faces of a panorama back to it: distances, sigmas,
-/// colours. What became known is seen by one view. Both have the layout of make_faces(panorama).
+/// Writes differences between two states of a panorama's faces back to it: distances, sigmas,
+/// colours. Pixels that became known count as seen by one view. Both states have the layout of
+/// make_faces(panorama).
 void take_changes(const RoomFaces& before, const RoomFaces& after, Panorama& panorama);
 
 }  // namespace mixrig::model

@@ -58,7 +58,8 @@ Saturated saturated_in(const ScanView& view) {
   return found;
 }
 
-/// Where a view's target camera sees a pixel; where its lens has no ray, what is ahead.
+/// Direction in which a view's target camera sees a pixel; where its lens has no ray, straight
+/// ahead.
 Vector3d seen_at(const ScanView& view, const geometry::CameraModel& target,
                  const Eigen::Vector2d& px) {
   const auto ray = target.unproject(px);

@@ -26,7 +26,7 @@ Vector3f direction_of_uv(const Vector2f& uv) {
           std::sin(elevation)};
 }
 
-/// Of a direction; u within half a turn of `near_u`.
+/// Texture coordinates of a direction; u lies within half a turn of `near_u`.
 Vector2f uv_of(const Vector3f& p, float near_u) {
   constexpr float kPi = std::numbers::pi_v<float>;
   const float u = 0.5F * (1 - std::atan2(-p.x(), p.y()) / kPi);

@@ -12,7 +12,7 @@
 
 namespace mixrig::model {
 
-/// Axes and origin of the panorama. Vertex arrays are of equal length.
+/// Triangles of a room in axes and origin of the panorama. Vertex arrays are of equal length.
 struct RoomMesh {
   std::vector<Eigen::Vector3f> positions_m;
   std::vector<Eigen::Vector3f> normals;  ///< unit, towards the origin's side
@@ -21,19 +21,19 @@ struct RoomMesh {
   std::vector<std::uint32_t> indices;  ///< three a triangle, counter-clockwise from the origin
 };
 
-/// Two triangles for each four pixels that are neighbours, none across a depth step or an unknown
+/// Makes two triangles for each four neighbouring pixels, none across a depth step or an unknown
 /// pixel; a fan closes each pole. No normals.
 RoomMesh grid_mesh(const Panorama& panorama);
 
-/// The distance that simplification may move a surface by: 1.25 times the median sigma of what
-/// was measured, since a detail below the noise is noise, and at most a quarter of the width of a
-/// pixel on the surface and 2 mm.
+/// Distance by which simplification may move a surface: 1.25 times the median sigma of the measured
+/// distances, since smaller details are noise, and at most a quarter of the width of a pixel on the
+/// surface and 2 mm.
 double mesh_tolerance_m(const Panorama& panorama);
 
-/// Edges are collapsed by meshoptimizer while their quadric error is within `tolerance_m`, in
-/// sectors of azimuth at the same time and then over their borders (Schiller et al. 2010, section
-/// 4.2, name the decimation of Schroeder et al.). Then edges are halved where the texture, linear
-/// along them, would be more than a pixel off. With normals.
+/// Simplifies a mesh: meshoptimizer collapses edges while their quadric error is within
+/// `tolerance_m`, in sectors of azimuth in parallel and then over their borders (Schiller et al.
+/// 2010, section 4.2, name the decimation of Schroeder et al.). Then edges are halved where the
+/// texture, interpolated linearly along them, would be off by more than a pixel. With normals.
 RoomMesh simplified(const RoomMesh& grid, Size panorama, double tolerance_m, Crew& crew);
 
 }  // namespace mixrig::model

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Large planes of a panorama (walls, floor, ceiling, tables), and surfaces drawn onto them.
+// Large planes of a panorama (walls, floor, ceiling, tables), and the projection of surfaces onto
+// them.
 #pragma once
 
 #include <vector>
@@ -9,17 +10,17 @@
 
 namespace mixrig::model {
 
-/// Planes that take up at least 0.08 sr, the largest first, at most 16. Hypotheses from normals at
-/// places of a fixed sequence, refined by least squares of inverse distances, which are linear in
-/// the ray on a plane. Only what views measured counts.
+/// Finds planes that take up at least 0.08 sr, the largest first, at most 16. Hypotheses come from
+/// normals at a fixed sequence of places, and are refined by least squares of inverse distances,
+/// which are linear in the ray on a plane. Only measured pixels count.
 std::vector<RoomPlane> find_planes(const Panorama& panorama);
 
-/// The plane that a pixel was found on: its index, or kNoPlane.
+/// Index of a pixel that lies on no plane, in the image of straighten().
 inline constexpr std::uint8_t kNoPlane = 255;
 
 /// Moves distances onto a plane where their mean over a neighbourhood lies within one sigma or 3 mm
-/// of it, less and less up to twice that, so that what stands off the plane is kept. Returns the
-/// planes of the pixels.
+/// of it, and partly up to twice that, so that what stands off the plane is kept. Returns the index
+/// of each pixel's plane, or kNoPlane.
 Image<std::uint8_t> straighten(const std::vector<RoomPlane>& planes, Panorama& panorama,
                                Crew& crew);
 
