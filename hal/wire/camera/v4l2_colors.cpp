@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What V4L2 drivers tell of colours, and the unit of Z16 by product.
+// Colorimetry that V4L2 drivers report, and the unit of Z16 by product.
 #include "hal/wire/camera/v4l2_format.h"
 
 namespace mixrig::device {

@@ -45,7 +45,7 @@ struct TrackedPose {
 
 struct TrackerCounts {
   std::uint64_t pictures = 0, lost = 0, searches = 0;
-  std::uint64_t found = 0;  ///< by a search
+  std::uint64_t found = 0;  ///< poses found by a search
 };
 
 /// Aligns the room's patches to each picture from the pose that constant velocity predicts. Each

@@ -17,9 +17,9 @@ struct TrackerPoseOptions {
   geometry::Pose fisheye_from_target;
   geometry::Pose world_from_base;  ///< pose of the room
   Predict predict = Predict::kVelocity;
-  double smooth_s = 0;  ///< latency, 0 to 0.5: poses are smoothed by the pictures so long before
-                        ///< and after; `predict` then says whether the head's angles help
-  /// Head that carries the target camera; for `predict`.
+  /// Latency, 0 to 0.5: poses are smoothed over the pictures up to this time before and after;
+  /// `predict` then decides whether the head's angles are used.
+  double smooth_s = 0;
   std::optional<calibration_file::PanTilt> head;
   tracking::TrackerOptions tracker;
   int threads = 0;  ///< 0: one per core

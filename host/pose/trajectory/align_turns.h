@@ -38,7 +38,7 @@ struct Row {
 struct Solution {
   State state;
   std::vector<Row> rows;
-  double residual_rad = 0;  ///< median
+  double residual_rad = 0;  ///< median residual
 };
 
 Window shifted(const Window& window, double by_s);
