@@ -17,7 +17,7 @@ struct SlotEdge {
   std::uint8_t level = 0;
 };
 
-/// What the outputs do in one tick, besides its set/reset words.
+/// Plan of one tick, besides its set/reset words.
 struct TickPlan {
   std::uint16_t fired = 0;  ///< channels whose pulse begins
   std::uint8_t edge_count = 0;

@@ -35,7 +35,7 @@ enum class RawLayout : std::uint8_t {
 
 std::string_view name(RawLayout layout);
 
-/// Integer conversion of 8-bit YUV to R'G'B': base = (y * y_scale >> y_shift) + y_add, then red =
+/// Integer conversion of 8-bit YUV to R'G'B'. With base = (y * y_scale >> y_shift) + y_add, red is
 /// (base + red_v * (v - 128)) >> shift, clamped to 0..255; green and blue likewise. No sum exceeds
 /// 31 bits.
 struct YuvToRgb {

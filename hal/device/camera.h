@@ -34,7 +34,7 @@ enum class Transfer {
   kLinear,  ///< samples are linear light, as in most machine-vision cameras
   kGamma,   ///< light = sample ^ gamma
 };
-/// What the samples of a camera mean. Primaries are those of sRGB.
+/// Meaning of a camera's samples. Primaries are those of sRGB.
 struct ColorEncoding {
   YuvMatrix matrix = YuvMatrix::kBt601;
   SampleRange range = SampleRange::kUsual;

@@ -13,12 +13,8 @@ struct Scene;
 
 /// By depth alone; by colour too; with refined edges.
 enum class KeyRung : std::uint8_t { kPlain, kVotes, kRefined };
-enum class LightRung : std::uint8_t {
-  kPlain,
-  kShadows,
-  kPeople
-};  ///< whose shadows: nobody's,
-    ///< objects', and people's
+/// Shadows: none; of objects; of objects and people.
+enum class LightRung : std::uint8_t { kPlain, kShadows, kPeople };
 enum class FocusRung : std::uint8_t { kFast, kFine };
 
 struct Rungs {

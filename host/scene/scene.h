@@ -100,7 +100,7 @@ enum class PoseSource {
 /// Returns the word of scene.toml, such as "pan_tilt".
 const char* name(PoseSource source);
 
-/// What virtual objects do in a frame without a pose.
+/// Behaviour of virtual objects in a frame without a pose: drawn with the last pose, or hidden.
 enum class WhenLost { kFreeze, kHide };
 
 /// A motion capture that streams while the scene runs.
@@ -178,13 +178,13 @@ struct KeySettings {
 
 /// Outputs of events between people and objects.
 struct EventSettings {
-  std::string udp;      ///< "HOST:PORT" that gets each event as JSON; empty: none
-  std::string osc;      ///< "HOST:PORT" that gets each event as an OSC message; empty: none
+  std::string udp;      ///< "HOST:PORT" that receives each event as JSON; empty: none
+  std::string osc;      ///< "HOST:PORT" that receives each event as an OSC message; empty: none
   bool people = false;  ///< also send the places of people in each frame
   bool operator==(const EventSettings&) const = default;
 };
 
-/// A program that gets the pose and lens of each picture.
+/// A program that receives the pose and lens of each picture.
 struct PoseOut {
   enum class Protocol : std::uint8_t { kFreeD, kOpenTrackJson, kOpenTrackCbor };
   Protocol protocol = Protocol::kFreeD;
@@ -222,11 +222,12 @@ struct StreamOut {
 
 /// Depth of field.
 struct FocusSettings {
-  double distance_m = 0;                     ///< distance in focus; 0: given by `pixel`
-  std::optional<std::pair<int, int>> pixel;  ///< of the view: the surface seen there is in focus
-  double f_number = 2.8;                     ///< focal length over diameter of the aperture
-  double sensor_width_mm = 36;               ///< width of the view on the sensor
-  double most_blur_pct = 4;                  ///< largest blur diameter, share of the width
+  double distance_m = 0;  ///< distance in focus; 0: given by `pixel`
+  /// Pixel of the view: the surface seen there is in focus.
+  std::optional<std::pair<int, int>> pixel;
+  double f_number = 2.8;        ///< focal length over diameter of the aperture
+  double sensor_width_mm = 36;  ///< width of the view on the sensor
+  double most_blur_pct = 4;     ///< largest blur diameter, share of the width
 };
 
 /// Effects of the camera that are applied to virtual objects.

@@ -16,7 +16,7 @@ namespace mixrig::scene {
 /// distance.
 struct FocusEdit {
   std::optional<double> distance_m;          ///< 0.01 to 10 000
-  std::optional<std::pair<int, int>> pixel;  ///< of the view
+  std::optional<std::pair<int, int>> pixel;  ///< pixel of the view
   std::optional<double> f_number;            ///< 0.5 to 128
 };
 /// Returns the text with its [focus] changed, or with a new one at its end. `path` is the scene's

@@ -15,8 +15,8 @@ namespace {
 constexpr std::uint16_t kMonitorMagic = 0xCDAB;
 constexpr std::uint32_t kGetCalibration = 0x15, kCoefficientsTable = 25;
 constexpr std::size_t kOpcodeBytes = 4, kHeaderBytes = 16;
-constexpr std::size_t kLengthAt =
-    kRealSenseMonitorBytes - 4;  // length of the answer after its opcode
+// Position of the field with the length of the answer after its opcode.
+constexpr std::size_t kLengthAt = kRealSenseMonitorBytes - 4;
 // Before the rectified sizes the table has two matrices of the cameras, two rotations, baseline,
 // model and 88 reserved bytes.
 constexpr std::size_t kRectifiedAt = 4 * 9 * 4 + 4 + 4 + 88, kRectifiedBytes = 16;

@@ -35,7 +35,7 @@ constexpr std::uint32_t kFullRange = 1, kLimitedRange = 2;
 
 std::uint32_t default_transfer(std::uint32_t colorspace) {
   switch (colorspace) {
-    case 0:  // tells nothing
+    case 0:  // not reported
     case kSpaceSrgb:
     case kSpaceJpeg:
       return kTransferSrgb;

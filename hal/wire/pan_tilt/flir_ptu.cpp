@@ -201,7 +201,8 @@ HostTime FlirPtu::heard_at(std::size_t question_bytes) const {
   const auto question = static_cast<Duration::rep>(question_bytes);
   const auto bytes = question + static_cast<Duration::rep>(answer_bytes_);
   const Duration line = byte_time_ * bytes;
-  if (line > passed) return asked_at_ + passed * question / bytes;  // faster than its rate says
+  // The exchange was faster than the stated rate.
+  if (line > passed) return asked_at_ + passed * question / bytes;
   return asked_at_ + byte_time_ * question + (passed - line) / 2;
 }
 

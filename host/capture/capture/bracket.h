@@ -20,8 +20,8 @@ struct BracketPlate {
 inline constexpr int kSaturatedByte = 250;  ///< of 255; a channel at or above it is saturated
 inline constexpr int kDarkByte = 12;        ///< up to this value a channel has less than five bits
 inline constexpr double kBracketStep = 4;   ///< ratio of neighbouring exposures
-inline constexpr double kSaturatedShare =
-    5e-4;  ///< of a plate's pixels, that is worth a shorter one
+/// Saturated share of a plate's pixels from which on a shorter exposure is taken.
+inline constexpr double kSaturatedShare = 5e-4;
 /// Dark share of the pixels from which on a longer exposure is taken.
 inline constexpr double kDarkShare = 0.05;
 

@@ -97,7 +97,7 @@ Estimate<Vector3d> centre_of_ranges(const ExternalInput& input, const std::vecto
   std::vector<double> ranges;
   for (const SeenMarker& marker : input.markers) centres.push_back(marker.world_m);
   for (const Sight& sight : sights) ranges.push_back(sight.distance_m);
-  // Of two mirrored solutions the one near the camera's body is right.
+  // If there are two mirrored solutions, the one near the camera's body is right.
   return estimation::multilaterate(centres, ranges,
                                    {input.sigma_range_m, world_from_body.translation_m});
 }

@@ -18,8 +18,8 @@ namespace {
 constexpr std::size_t kMostBytes = 65536;  // largest datagram
 constexpr Duration kRequestEvery = std::chrono::seconds(1);
 constexpr int kRestart = 1000;  // numbers this far back: the server restarted
-constexpr int kBackRun =
-    5;  // so many frames in a row that continue an earlier number: the server restarted
+// After so many frames in a row that continue an earlier number the server restarted.
+constexpr int kBackRun = 5;
 // More frames than this cannot have been sent since the last one: the server restarted.
 constexpr double kMostRate_hz = 2000;
 constexpr int kMostAtOnce = 16;

@@ -11,7 +11,8 @@
 
 namespace mixrig::pose {
 
-/// What virtual objects do while the pose is lost.
+/// Behaviour of virtual objects while the pose is lost: they keep their last place in the picture,
+/// or are hidden.
 enum class WhenLost : std::uint8_t { kFreeze, kHide };
 
 struct FramePoseOptions {

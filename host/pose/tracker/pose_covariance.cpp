@@ -77,7 +77,7 @@ class CommonError {
     int patches = 0;
     Eigen::Matrix<double, N, N> information = Eigen::Matrix<double, N, N>::Zero();
     Eigen::Matrix<double, N, 1> score = Eigen::Matrix<double, N, 1>::Zero();
-    /// Effect of the error on the pose.
+    /// Effect of the error on the right side of the normal equations.
     Eigen::Matrix<double, 6, N> pull = Eigen::Matrix<double, 6, N>::Zero();
   };
   std::array<Part, kParts> parts_{};

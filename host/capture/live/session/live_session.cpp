@@ -35,8 +35,8 @@ LiveSession::LiveSession(const RigConfig& config, Devices& devices, Clock& clock
   builder_.emplace(joins, [this](const sync::FrameSet& set) { emit(set); });
 }
 
-/// A stream much slower than the leading one is not awaited: its last frame is used, for as long as
-/// capture::fisheye_hold() says.
+/// A stream much slower than the leading one is not awaited: its last frame is used for the time of
+/// capture::fisheye_hold().
 sync::Join LiveSession::join_of(const Stream& stream) const {
   const double ticks = period_ticks(stream), leading_ticks = period_ticks(streams_.front());
   const double held_ticks = seconds(capture::fisheye_hold(100 / ticks)) / seconds(kTickPeriod);

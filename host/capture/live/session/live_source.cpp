@@ -82,7 +82,7 @@ class LiveSource final : public capture::CaptureSource {
   std::atomic<std::uint64_t> without_depth_ = 0, held_depth_ = 0;
   std::atomic<double> longest_gap_s_ = 0;
   std::optional<HostTime> first_, last_;  ///< mid-exposures of captures
-  bool silent_ = false;                   ///< the loss of all streams was logged
+  bool silent_ = false;                   ///< the wait for colour was logged
   bool depth_gone_ = false;               ///< the loss of depth was logged
 };
 
