@@ -116,7 +116,8 @@ Result<Calibration> parse_calibration(std::string_view text, const std::string& 
 std::string calibration_text(const Calibration& calibration);
 /// Writes a whole file or leaves what was there. Errors: kIo.
 Result<void> write_calibration(const std::filesystem::path& path, const Calibration& calibration);
-/// Merges `newer` into the file, or creates it. Errors: those of both.
+/// Merges `newer` into the file, or creates it. Errors: those of read_calibration() and
+/// write_calibration().
 Result<void> update_calibration(const std::filesystem::path& path, const Calibration& newer);
 
 /// FNV-1a hash of the bytes of files, in the order in which they are added.

@@ -10,14 +10,14 @@
 
 namespace mixrig::tracking {
 
-/// Region of poses in which the camera is searched.
+/// Region of poses in which the camera is searched for.
 struct SearchField {
   geometry::Pose room_from_camera;  ///< middle of the region
   double radius_m = 1.2;
   double radius_rad = 1.2;
 };
 
-/// Searches the pose of a camera.
+/// Searches for the pose of a camera.
 class PoseFinder {
  public:
   virtual ~PoseFinder() = default;

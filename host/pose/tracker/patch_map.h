@@ -53,10 +53,10 @@ struct PatchMap {
   bool hidden(const Eigen::Vector3f& eye_m, const Eigen::Vector3f& point_m) const;
 };
 
+inline constexpr int kWidePatch = kPatchSide + 2;
 /// Sets grey values, their derivatives and all values computed from them, including the score.
 /// `grey`: grey values of the pixels with a border of one pixel, row by row, -1 unknown. Pixels
 /// whose share is 0 stay unknown.
-inline constexpr int kWidePatch = kPatchSide + 2;
 void set_look(const std::array<float, kWidePatch * kWidePatch>& grey, Patch& patch);
 /// Sets centre, pixels and axes from the positions of the pixels whose share is 1; the normal
 /// points towards `eye_m`. Precondition: at least one such pixel.

@@ -26,7 +26,7 @@ struct RoomTrackOptions {
   tracking::TrackerOptions tracker;
   /// Each pose is smoothed with poses up to this time before and after it; 0: not smoothed.
   double smooth_s = 0;
-  bool anew = false;                       ///< every picture is searched like the first one
+  bool anew = false;                       ///< the camera is searched for in every picture
   int passes = 1;                          ///< number of plays of the take, forwards and backwards
   std::filesystem::path drawings;          ///< folder for pictures with their patches; empty: none
   int threads = 0;                         ///< 0: one per core
@@ -58,15 +58,15 @@ struct RoomTrack {
 /// take has none of its pictures; kIo for drawings.
 Result<RoomTrack> track_room(const RoomTrackOptions& options);
 
-/// Reports the track: {"frames", "lost_pct", "fps", "frame_ms" (median of the pictures that were
-/// not searched for), "search_ms" (of the others), "searches", "sigma_mm", "latency_s", and where
+/// Reports the track: {"frames", "lost_pct", "fps", "frame_ms" (median over the pictures tracked
+/// without a search), "search_ms" (over the others), "searches", "sigma_mm", "latency_s", and where
 /// truth is known "rms_mm", "rms_deg", "p95_mm", "max_mm", "drift_mm_per_1000", "jitter_mm",
 /// "jitter_deg", "nees"}: errors of the target camera; if smoothed, "unsmoothed" holds the values
 /// before. The drift is the slope of the distance over the number of the picture; jitter the root
 /// mean square of the errors' second differences from picture to picture; "nees" the mean of e^T
-/// C^-1 e, 6 where the covariances are right. If every picture was searched: "starts": {"found",
-/// "wrong": of them more than 50 mm or 1 degree off, "refused", "p50_mm", "search_ms": {"p50",
-/// "p95"}}.
+/// C^-1 e, 6 where the covariances are right. If the camera was searched for in every picture:
+/// "starts": {"found", "wrong": of them more than 50 mm or 1 degree off, "refused", "p50_mm",
+/// "search_ms": {"p50", "p95"}}.
 nlohmann::json to_json(const RoomTrack& track);
 /// Returns TUM lines "t x y z qx qy qz qw" of world_from_target at the pictures that have a pose.
 std::string to_tum(const RoomTrack& track);

@@ -24,7 +24,7 @@ struct TrackerOptions {
   /// Region of the search for the first pose: around the place of the scan and
   /// `looking_at_the_scan`.
   double start_radius_m = 1.2, start_radius_rad = 1.2;
-  /// A lost camera is searched around its last pose, in a region that grows at these speeds.
+  /// A lost camera is searched for around its last pose, in a region that grows at these speeds.
   double speed_m_s = 1, speed_rad_s = 2;
   /// Standard deviation of the room's scale, as a share. A room whose scale is wrong by a share
   /// moves the camera by that share of its way from the place of the scan without shifting any
@@ -50,7 +50,7 @@ struct TrackerCounts {
 
 /// Aligns the room's patches to each picture from the pose that constant velocity predicts. Each
 /// picture is compared with the room itself, so errors do not accumulate. A picture that the room
-/// does not explain is lost, and the camera is searched. Does not allocate while the camera is
+/// does not explain is lost, and the camera is searched for. Does not allocate while the camera is
 /// tracked. Not thread-safe.
 class Tracker {
  public:
@@ -68,14 +68,14 @@ class Tracker {
 
   /// Tracks the camera in the next picture, which has the camera's size; times grow.
   TrackedPose track(ImageView<const Rgb8> picture, double time_s);
-  /// Forgets the last pose: the next picture is searched like the first one.
+  /// Forgets the last pose: in the next picture the camera is searched for, as in the first one.
   void forget() { last_.reset(), before_.reset(), lost_ = true; }
   /// Returns the pose by constant velocity at a time near the last picture's; empty before the
   /// first pose and while the camera is lost.
   std::optional<geometry::Pose> predicted(double time_s) const;
 
   const TrackerCounts& counts() const { return counts_; }
-  /// The patches of the last picture that was not searched for.
+  /// The patches of the last picture tracked without a search.
   const PatchAlign& patches() const { return align_; }
 
  private:

@@ -29,9 +29,9 @@ struct TrackerPoseOptions {
 /// time: between the newest two pictures the motion is interpolated, after the newest one it is
 /// continued (Predict), so that no frame waits; or, with a latency, each pose is smoothed. The
 /// covariance is enlarged for a camera that changes its speed by 1 m/s^2 and 2 rad/s^2. A capture
-/// with a picture takes some milliseconds longer; one whose camera must be searched takes up to a
-/// second, and only that allocates. Pictures of another size than the calibrated one are left out.
-/// A capture whose fisheye is missing has no pose.
+/// with a picture takes some milliseconds longer; one whose camera must be searched for takes up to
+/// a second, and only that allocates. Pictures of another size than the calibrated one are left
+/// out. A capture whose fisheye is missing has no pose.
 std::unique_ptr<capture::PoseSource> make_tracker_poses(const model::Panorama& room,
                                                         const TrackerPoseOptions& options);
 

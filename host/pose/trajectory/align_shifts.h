@@ -20,10 +20,10 @@ struct JointStart {
   /// Unit direction along which the lever is not observable; it is not estimated there.
   Eigen::Vector3d unobservable = Eigen::Vector3d::Zero();
 };
+inline constexpr double kEpipoleSigma_rad = 0.1;
 /// Finds the rotation about `axis` (unit, of the fixed body) for bodies that turn about this one
 /// axis only. It follows from the epipoles, the directions in which the bodies move, lever arm
 /// included. nullopt if its sigma is over kEpipoleSigma_rad.
-inline constexpr double kEpipoleSigma_rad = 0.1;
 std::optional<JointStart> turned_by_epipoles(const Pair& pair, const State& state,
                                              const Eigen::Vector3d& axis);
 

@@ -47,7 +47,7 @@ struct DeviceKind {
   std::string_view camera_uri;  ///< form of a camera's URI; empty: it has none
   std::string_view depth_uri;   ///< form of a depth camera's URI; empty: it has none
   std::string_view lens_uri;    ///< form of a lens encoder's URI; empty: it has none
-  /// Null: no cameras. `clock` outlives the driver.
+  /// Makes the driver of the cameras; null: no cameras. `clock` outlives the driver.
   std::unique_ptr<DeviceDriver> (*make)(Clock& clock) = nullptr;
   LensProtocol lens;
 

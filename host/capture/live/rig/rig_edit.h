@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Changes of a rig.toml that leave the rest of its text as it is. Pure.
+// Edits a rig.toml and leaves the rest of its text unchanged. Pure.
 #pragma once
 
 #include <string>

@@ -58,7 +58,7 @@ class RunningRig final : public SweepRig {
   const Devices* devices_ = nullptr;
   LiveSession* session_ = nullptr;  ///< null: no rig runs
   std::optional<ExposureBegin> begin_;
-  std::mutex frame_mutex_;  ///< guards what follows
+  std::mutex frame_mutex_;  ///< guards the members below
   std::condition_variable came_;
   bool there_ = false, ended_ = false;
   capture::Capture newest_;
