@@ -19,8 +19,9 @@ namespace mixrig::depth {
 /// Not thread-safe.
 class WrappedDepth {
  public:
-  /// Share of the median reflectivity below which depth is wrapped. The studio's mirror shows less
-  /// to a kinect2; black clothes in a dark room hardly do (docs/reference/studio.md).
+  /// Depth whose reflectivity is below this share of the median is wrapped. A mirror of the studio,
+  /// seen by a kinect2, is below it; black clothes in a dark room hardly ever are
+  /// (docs/reference/studio.md).
   static constexpr float kLeastShare = 0.03F;
 
   /// `depth_is_distance`: depth is along the ray, not along z.

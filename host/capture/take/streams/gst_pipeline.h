@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// GStreamer pipelines as owned handles with one-line errors.
+// Owns GStreamer pipelines and reports their errors in one line.
 #pragma once
 
 #include <filesystem>
