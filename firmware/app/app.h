@@ -17,7 +17,8 @@ namespace mixrig::firmware {
 
 inline constexpr std::array<std::uint8_t, 3> kVersion = {0, 1, 0};
 
-/// Members marked "interrupt" may be called from one; all others from the main loop only.
+/// The firmware's application. Members marked "interrupt" may be called from an interrupt, all
+/// others from the main loop only.
 class App {
  public:
   /// Call once, after the port has initialised the hardware and before interrupts are enabled.
@@ -31,15 +32,16 @@ class App {
   void on_rx_byte(std::uint8_t byte);
   /// Interrupt: the receiver lost a byte.
   void on_rx_lost() { count(protocol::Fault::kRxOverrun); }
-  /// Interrupt or main loop, never both at once: the next byte to send, false where none.
+  /// Interrupt or main loop, never both at once: takes the next byte to send; false if there is
+  /// none.
   bool next_tx_byte(std::uint8_t& byte) { return tx_.pop(byte); }
-  /// Interrupt, once a master tick, at `now_us`, `late_ns` after the hardware's tick.
+  /// Interrupt: call once per master tick, at `now_us`, `late_ns` after the hardware's tick.
   void on_tick(std::uint64_t now_us, std::uint32_t late_ns);
   /// Interrupt: run time of the tick interrupt, entry to exit.
   void on_tick_done(std::uint32_t cost_ns);
 
  private:
-  /// What the interrupt passes to the main loop for telemetry.
+  /// A record that the interrupt passes to the main loop for telemetry.
   struct Record {
     std::uint32_t tick = 0;
     std::uint32_t mcu_us = 0;
@@ -93,7 +95,7 @@ class App {
   Ring<std::uint8_t, 1024> tx_;
   Ring<Record, 64> records_;
   alignas(4) std::array<std::uint32_t, 2 * protocol::kSlotsPerTick> words_{};
-  std::array<TickPlan, 2> plans_{};  ///< of the tick in each half of words_
+  std::array<TickPlan, 2> plans_{};  ///< plan of the tick in each half of words_
 
   // Shared with the interrupt: single words, or changed under an IrqLock.
   std::atomic<protocol::State> state_{protocol::State::kIdle};

@@ -13,7 +13,7 @@ class Ring {
   static_assert((N & (N - 1)) == 0, "a power of two");
 
  public:
-  /// Producer only. False where full.
+  /// Producer only. Appends a value; false if the queue is full.
   bool push(const T& value) {
     const std::uint32_t head = head_.load(std::memory_order_relaxed);
     if (head - tail_.load(std::memory_order_acquire) == N) return false;
@@ -21,7 +21,7 @@ class Ring {
     head_.store(head + 1, std::memory_order_release);
     return true;
   }
-  /// Consumer only. Null where empty; valid until pop().
+  /// Consumer only. Returns the oldest value, valid until pop(); null if the queue is empty.
   const T* front() const {
     const std::uint32_t tail = tail_.load(std::memory_order_relaxed);
     if (tail == head_.load(std::memory_order_acquire)) return nullptr;
@@ -36,7 +36,7 @@ class Ring {
     pop();
     return true;
   }
-  /// Producer: at least this many pushes will succeed.
+  /// Producer only. At least this many pushes will succeed.
   std::uint32_t free() const { return N - (head_.load() - tail_.load()); }
   bool empty() const { return head_.load() == tail_.load(); }
 

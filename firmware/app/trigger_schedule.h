@@ -17,7 +17,7 @@ struct SlotEdge {
   std::uint8_t level = 0;
 };
 
-/// What happens in one tick, besides its words.
+/// Plan of one tick, besides its set/reset words.
 struct TickPlan {
   std::uint16_t fired = 0;  ///< channels whose pulse begins
   std::uint8_t edge_count = 0;
@@ -28,21 +28,22 @@ class TriggerSchedule {
  public:
   using Words = std::span<std::uint32_t, protocol::kSlotsPerTick>;
 
-  /// The rules stated at protocol::ChannelConfig; a disabled channel is always valid.
+  /// Whether `config` keeps the rules stated at protocol::ChannelConfig; a disabled channel is
+  /// always valid.
   static bool valid(const protocol::ChannelConfig& config);
-  /// False, and no change, where `config` is not valid.
+  /// Sets a channel; returns false and changes nothing if `config` is not valid.
   bool set(const protocol::ChannelConfig& config);
   /// `channel` < kChannels.
   protocol::ChannelConfig get(std::uint32_t channel) const { return configs_[channel]; }
   std::uint16_t enabled() const;
 
-  /// Restarts at tick 0.
+  /// Restarts the schedule at tick 0.
   void rewind();
   /// Skips `ticks` ticks.
   void skip(std::uint32_t ticks);
   /// Writes the next tick. Slot 0 sets every enabled line, later slots hold only changes.
   void fill(Words words, TickPlan& plan);
-  /// The word that makes every enabled line inactive.
+  /// Returns the word that makes every enabled line inactive.
   std::uint32_t idle_word() const;
 
  private:

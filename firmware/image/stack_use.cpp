@@ -17,9 +17,10 @@ struct Function {
 };
 using Graph = std::map<std::string, Function>;
 
-/// Functions of the C library and the compiler's helpers have no graph; they are small.
+/// Assumed stack of functions of the C library and the compiler's helpers, which have no graph;
+/// they are small.
 constexpr long kUnknownBytes = 64;
-/// Pushed by the core on entry to an interrupt, with FPU registers and alignment.
+/// Bytes that the core pushes on entry to an interrupt, with FPU registers and alignment.
 constexpr long kExceptionFrameBytes = 108;
 
 void read_graph(const std::filesystem::path& path, Graph& graph) {

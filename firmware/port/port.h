@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the firmware requires of its hardware: free functions, one implementation linked per port.
+// Functions that the firmware requires of its hardware, one implementation linked per port.
 #pragma once
 
 #include <array>

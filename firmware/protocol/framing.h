@@ -48,7 +48,7 @@ constexpr std::size_t encode_frame(std::uint8_t type, std::uint8_t sequence,
   return o;
 }
 
-/// What the last byte completed.
+/// Result of the last byte.
 enum class FrameEvent : std::uint8_t {
   kNone,   ///< nothing yet
   kFrame,  ///< a valid frame: type(), sequence(), body()
@@ -56,7 +56,8 @@ enum class FrameEvent : std::uint8_t {
   kProbe,  ///< a person typed `?` and Enter
 };
 
-/// Finds frames in bytes; every delimiter starts a new frame, so a bad one does not harm the next.
+/// Finds frames in a byte stream. Every delimiter starts a new frame, so that a bad frame does not
+/// harm the next.
 class FrameDecoder {
  public:
   /// type(), sequence() and body() are valid after kFrame until the next push.

@@ -17,7 +17,7 @@ inline constexpr std::size_t kMaxImage = 128u * 1024;     ///< sectors 0..4
 inline constexpr std::uint32_t kImageMagic = 0x4754584D;  ///< "MXTG"
 inline constexpr std::uint16_t kBoardF405 = 405;
 
-/// Lies at kHeaderOffset, little-endian; `crc` covers the image without `size` and `crc`.
+/// Header at kHeaderOffset, little-endian; `crc` covers the image without `size` and `crc`.
 struct ImageHeader {
   std::uint32_t magic = 0;
   std::uint32_t size = 0;  ///< bytes of the whole image, a multiple of 4

@@ -28,10 +28,10 @@ inline constexpr std::uint8_t kReplyBit = 0x80;
 
 enum class Verdict : std::uint8_t {
   kOk,
-  kUnknown,        ///< no such command
+  kUnknown,        ///< unknown command
   kLength,         ///< body of the wrong length
   kArgument,       ///< a value out of range
-  kState,          ///< not in this state
+  kState,          ///< refused in the present state
   kHelloFirst,     ///< no Hello since the last reset of the controller
   kTableMismatch,  ///< the other side was built from another message table
   kImageBad,       ///< the image fails its checksum: only Hello, Status and Reboot are served
@@ -41,7 +41,7 @@ enum class State : std::uint8_t { kIdle, kArmed, kRunning };
 enum class ResetCause : std::uint8_t { kUnknown, kPower, kPin, kSoftware, kWatchdog };
 enum class ClockSource : std::uint8_t { kEmulated, kCrystal, kInternal };
 
-/// What can go wrong on the controller; counted in Status, saturating.
+/// Faults that the controller counts in Status, saturating.
 enum class Fault : std::uint8_t {
   kFrameBad,       ///< a frame with a wrong CRC or length
   kRxOverrun,      ///< received bytes were lost
@@ -225,7 +225,7 @@ struct TriggerEdge {
   static constexpr const char* kName = "edge";
   using Reply = Empty;
   std::uint32_t tick = 0;
-  std::uint8_t slot = 0;  ///< of the tick: the edge lies slot * kSlotUs after its start
+  std::uint8_t slot = 0;  ///< the edge lies slot * kSlotUs after the start of the tick
   std::uint8_t channel = 0;
   std::uint8_t level = 0;  ///< electrical: 1 high
   static constexpr auto fields(auto& m) { return std::tie(m.tick, m.slot, m.channel, m.level); }
@@ -261,7 +261,7 @@ constexpr std::uint32_t hash_table(std::tuple<M...>*) {
 }
 }  // namespace detail
 
-/// Identifies the message table: both sides refuse one that differs.
+/// Hash of the message table: each side refuses another one.
 inline constexpr std::uint32_t kTableHash = detail::hash_table(static_cast<MessageTable*>(nullptr));
 
 }  // namespace mixrig::protocol

@@ -8,7 +8,7 @@ namespace mixrig {
 
 inline constexpr double kPi = std::numbers::pi;
 inline constexpr float kPi_f = std::numbers::pi_v<float>;
-/// Radians of a degree: an angle in degrees times it is one in radians.
+/// Radians in one degree: an angle in degrees times it is the angle in radians.
 inline constexpr double kDeg = kPi / 180;
 
 }  // namespace mixrig

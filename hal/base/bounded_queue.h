@@ -13,7 +13,7 @@
 
 namespace mixrig {
 
-/// Holds at most N. Any threads. Nothing allocates but what moving a T does.
+/// Holds at most N items. Any thread may call any method. Allocates only what moving a T does.
 template <typename T, std::size_t N>
 class BoundedQueue {
  public:

@@ -4,8 +4,8 @@
 
 namespace mixrig {
 
-/// Whether the kernel says that something (PTP, NTP) keeps the system clock right, as
-/// `timedatectl` shows. Any thread.
+/// Whether the kernel reports that PTP or NTP keeps the system clock synchronized, as `timedatectl`
+/// shows. Any thread.
 bool host_clock_is_synchronized();
 
 }  // namespace mixrig

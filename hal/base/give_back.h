@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pages of an image that are not used yet.
+// Zeroed memory that uses no pages until it is written.
 #pragma once
 
 #include <cstddef>
@@ -8,12 +8,12 @@
 
 namespace mixrig {
 
-/// Makes `bytes` bytes at `memory` zero, which private memory must be (malloc's is), and gives the
-/// whole pages in it back to the system: each takes memory again when it is first written. To be
-/// called before the memory is used, not in each frame: every page costs a fault later.
+/// Zeroes `bytes` bytes at `memory`, which must be private memory such as malloc's, and returns the
+/// whole pages in it to the system. A page uses memory again once it is written, at the cost of a
+/// page fault: call this before the memory is used, not in each frame.
 void give_back_as_zeros(void* memory, std::size_t bytes);
 
-/// Makes an image zero without using memory for it: what is never written costs none.
+/// Zeroes an image; its pages use no memory until they are written.
 template <typename T>
 void give_back_as_zeros(Image<T>& image) {
   if (image.empty()) return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Half precision (IEEE 754 binary16), and a linear colour of three.
+// Half precision (IEEE 754 binary16), and a linear colour of three half floats.
 #pragma once
 
 #include <bit>
@@ -7,8 +7,8 @@
 
 namespace mixrig {
 
-/// To the nearest, ties away from zero; above 65504 (and what is not a number) 65504, below 2^-14
-/// subnormal. Negative values become 0.
+/// Rounds to the nearest half float, ties away from zero; results below 2^-14 are subnormal. Values
+/// above 65504 and NaN become 65504, negative values 0.
 inline std::uint16_t half_of_float(float value) {
   constexpr std::uint32_t kMost = 0x7BFF;
   if (!(value > 0)) return value == value ? 0 : kMost;
@@ -19,13 +19,13 @@ inline std::uint16_t half_of_float(float value) {
   return static_cast<std::uint16_t>((bits >> 13) - ((127 - 15) << 10));
 }
 
-/// Exact. `half` must be finite and not negative.
+/// Converts without loss. `half` must be finite and not negative.
 inline float float_of_half(std::uint16_t half) {
   if (half < 0x400) return static_cast<float>(half) * 5.9604645e-8F;  // 2^-24
   return std::bit_cast<float>((static_cast<std::uint32_t>(half) << 13) + ((127U - 15U) << 23));
 }
 
-/// Linear light.
+/// A colour in linear light as three half floats.
 struct RgbHalf {
   std::uint16_t r = 0, g = 0, b = 0;
   bool operator==(const RgbHalf&) const = default;

@@ -26,7 +26,7 @@ struct Rgb8 {
   std::uint8_t r = 0, g = 0, b = 0;
   bool operator==(const Rgb8&) const = default;
 };
-/// As Rgb8, with a fourth byte of any meaning.
+/// An Rgb8 with a fourth byte, whose meaning its user defines.
 struct Rgbx8 {
   std::uint8_t r = 0, g = 0, b = 0, x = 0;
 };
@@ -75,7 +75,7 @@ class Image {
     return *this;
   }
 
-  /// Makes it `size` and fills it; keeps the memory where the size stays.
+  /// Gives the image this size and fills it; keeps the memory where the size stays.
   void reset(Size size, T fill = T{}) {
     if (size != size_) allocate(size);
     std::fill_n(data_.get(), count(), fill);

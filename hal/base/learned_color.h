@@ -10,11 +10,12 @@
 
 namespace mixrig {
 
-inline constexpr std::uint8_t kUnknownColorByte = 255;  ///< in place of the spread
-inline constexpr float kMostColorSpread = 0.5F;         ///< as byte 254; more is cut off
+inline constexpr std::uint8_t kUnknownColorByte = 255;  ///< fourth byte of an unknown colour
+/// Spread that byte 254 stands for; larger ones are clamped.
+inline constexpr float kMostColorSpread = 0.5F;
 
-/// sRGB, and as fourth byte the spread of a linear channel. A linear colour with a negative red is
-/// unknown.
+/// Packs a linear colour as sRGB bytes, and the spread of a linear channel as fourth byte. A colour
+/// with a negative red is unknown.
 inline Rgbx8 learned_color(const Rgbf& linear, float spread) {
   if (linear.r < 0) return {0, 0, 0, kUnknownColorByte};
   const float steps = (kUnknownColorByte - 1) * std::min(spread / kMostColorSpread, 1.0F);
@@ -22,7 +23,7 @@ inline Rgbx8 learned_color(const Rgbf& linear, float spread) {
           srgb_byte_from_linear(linear.b), static_cast<std::uint8_t>(std::lround(steps))};
 }
 
-/// Of each pixel; without `spread` it is 0.
+/// Packs each pixel with learned_color(). An empty `spread` counts as 0.
 inline Image<Rgbx8> learned_colors(ImageView<const Rgbf> linear, ImageView<const float> spread) {
   Image<Rgbx8> out(linear.size);
   for (int y = 0; y < out.height(); ++y)

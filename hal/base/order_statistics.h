@@ -20,20 +20,21 @@ T order_statistic(std::span<T> values, std::size_t rank) {
   return *at;
 }
 
-/// The middle value, the upper of the two middle values of an even count; 0 of none. It is always
-/// one of the values. Reorders them.
+/// Returns the middle value, for an even count the upper of the two middle ones; 0 for no values.
+/// It is always one of the values. Reorders them.
 template <typename T>
 T upper_median_in_place(std::span<T> values) {
   return values.empty() ? T{} : order_statistic(values, values.size() / 2);
 }
 
-/// The same of a copy.
+/// upper_median_in_place() on a copy of the values.
 template <typename T>
 T upper_median(std::vector<T> values) {
   return upper_median_in_place(std::span<T>(values));
 }
 
-/// The middle value, the mean of the two middle values of an even count; 0 of none. Reorders them.
+/// Returns the middle value, for an even count the mean of the two middle ones; 0 for no values.
+/// Reorders them.
 template <typename T>
 T median_in_place(std::span<T> values) {
   const T upper = upper_median_in_place(values);

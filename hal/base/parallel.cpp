@@ -9,12 +9,12 @@
 namespace mixrig {
 namespace {
 
-// Of Crew::call_.
+// Fields of Crew::call_.
 constexpr std::uint32_t kWorker = 1, kOpen = 1U << 12, kNumber = kOpen << 1;
 constexpr std::uint32_t workers_of(std::uint32_t call) { return call & (kOpen - 1); }
 constexpr std::uint32_t number_of(std::uint32_t call) { return call / kNumber; }
 
-/// How long a thread looks for a change before it sleeps.
+/// How long a thread polls for a change before it sleeps.
 constexpr std::chrono::microseconds kLook{50};
 
 /// Tells the processor that a loop waits for another core.
@@ -26,7 +26,7 @@ void relax() {
 #endif
 }
 
-/// Cores that the calling thread may use; empty where the system does not say.
+/// Returns the cores that the calling thread may use; empty if the system does not report them.
 std::vector<int> allowed_cores() {
   cpu_set_t set;
   std::vector<int> cores;
@@ -43,7 +43,7 @@ void keep_on(int core) {
   (void)::sched_setaffinity(0, sizeof(set), &set);
 }
 
-/// Keeps the calling thread on the first of `cores`, until it may use those that it had before.
+/// Keeps the calling thread on the first of `cores`; the destructor restores its cores.
 class OnFirstCore {
  public:
   explicit OnFirstCore(std::span<const int> cores) {

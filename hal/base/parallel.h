@@ -14,9 +14,9 @@ namespace mixrig {
 /// One call at a time per crew; the body must not call back into the same crew.
 /// With one thread per core each worker stays on a core of its own, and the caller on the remaining
 /// one during a call: some systems (Linux as a KVM guest) otherwise wake two of them on the same
-/// core while another one idles, which cost a frame up to half of its time. Such threads also look
-/// for the next call for a while (kLook) before they sleep: to wake one takes longer than many a
-/// call. Other numbers of threads are placed by the system and sleep at once.
+/// core while another one idles, which cost a frame up to half of its time. Such threads also poll
+/// for the next call for kLook before they sleep, since waking a thread takes longer than many
+/// calls. Other numbers of threads are placed by the system and sleep at once.
 class Crew {
  public:
   /// `threads` >= 1; 0 means one per core.
@@ -34,8 +34,8 @@ class Crew {
     rows_by_worker(count, grain, [&body](int, int begin, int end) { body(begin, end); });
   }
 
-  /// As rows, with body(worker, begin, end): bands of one worker (0 .. threads() - 1) never run at
-  /// the same time, so that each worker can have its own scratch memory.
+  /// Does what rows() does, but calls body(worker, begin, end). Bands of one worker (0 .. threads()
+  /// - 1) never run at the same time, so that each worker can have its own scratch memory.
   template <typename Body>
   void rows_by_worker(int count, int grain, Body&& body) {
     run(
@@ -54,11 +54,13 @@ class Crew {
   template <typename Differs>
   std::uint32_t await(Differs&& differs);
 
-  std::vector<int> cores_;  ///< of each thread, the caller first; empty: placed by the system
-  /// A call's number above kNumber, kOpen while workers may join it, and how many work on it.
+  /// One core per thread, the caller's first; empty: the system places them.
+  std::vector<int> cores_;
+  /// Number of the call (from bit kNumber up), kOpen while workers may join it, and in the low bits
+  /// how many workers it has.
   std::atomic<std::uint32_t> call_{0};
   std::atomic<bool> stop_{false};
-  // Of the open call: written before it is opened, after all workers have left the one before.
+  // The open call. Written before it is opened, after all workers have left the call before.
   Function function_ = nullptr;
   void* context_ = nullptr;
   int count_ = 0, grain_ = 1;

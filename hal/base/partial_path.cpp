@@ -18,7 +18,7 @@ fs::path with_suffix(fs::path path, const char* suffix) {
   return path;
 }
 
-/// What a link leads to, so that the link stays; else the path itself.
+/// Returns the target of a link, so that the link stays; else the path itself.
 fs::path behind_links(fs::path path) {
   path = with_suffix(std::move(path), "");
   std::error_code error;
@@ -27,7 +27,7 @@ fs::path behind_links(fs::path path) {
   return error ? path : target;
 }
 
-/// A pipe or a device, such as /dev/null: it is written to, never replaced.
+/// Whether the path is a pipe or a device, such as /dev/null: it is written to, never replaced.
 bool is_special(const fs::path& path) {
   std::error_code error;
   return fs::is_other(path, error);

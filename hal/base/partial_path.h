@@ -9,9 +9,10 @@
 
 namespace mixrig {
 
-/// A name beside the wanted one to write under: `x.png` is written as `x.png.partial`. What lies
-/// under that name is removed at the start and, unless commit() was called, at the end. Of a
-/// symbolic link the target is wanted: the link stays. Not thread-safe.
+/// A name beside the wanted one to write under: `x.png` is written as `x.png.partial`. A file or
+/// folder of that name is removed by the constructor and, unless commit() was called, by the
+/// destructor. If the wanted name is a symbolic link, its target is replaced and the link stays.
+/// Not thread-safe.
 class PartialPath {
  public:
   explicit PartialPath(std::filesystem::path wanted);
@@ -19,10 +20,10 @@ class PartialPath {
   PartialPath& operator=(PartialPath&& other) noexcept;
   ~PartialPath();
 
-  /// Where to write.
+  /// Path to write under until commit().
   const std::filesystem::path& path() const { return partial_; }
-  /// Gives it the wanted name, in place of a file or folder that has it. Errors: kIo; kUsage where
-  /// a file would take the place of a folder or of a device. What had the name before is then still
+  /// Renames it to the wanted name and replaces a file or folder that has it. Errors: kIo; kUsage
+  /// where a file would replace a folder or a device. After an error the old content is still
   /// there.
   Result<void> commit();
 

@@ -8,9 +8,9 @@
 namespace mixrig::measure {
 
 /// The q-quantile (q in 0..1) with linear interpolation between the two nearest ranks (Hyndman and
-/// Fan 1996, type 7). 0 of nothing. Samples must be finite.
+/// Fan 1996, type 7). 0 without samples. Samples must be finite.
 double quantile(std::vector<float> samples, double q);
-/// Arithmetic mean; 0 of nothing.
+/// Arithmetic mean; 0 without samples.
 double mean(std::span<const float> samples);
 
 }  // namespace mixrig::measure

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Objects that are shared between threads and used again once their last user drops them.
+// Objects that threads share; the pool reuses one when its last user drops it.
 #pragma once
 
 #include <array>
@@ -12,24 +12,24 @@
 
 namespace mixrig {
 
-/// Hands out objects whose buffers are kept between uses: nothing is allocated once as many objects
-/// exist as are in use at one time. T::recycle(), if there is one, is called when the last user
-/// drops an object. Any threads; objects may outlive the pool.
+/// Hands out objects and keeps their buffers between uses: it allocates only while more objects are
+/// in use than exist. T::recycle(), if there is one, is called when the last user drops an object.
+/// Any threads; objects may outlive the pool.
 template <typename T>
 class Pool {
  public:
-  /// An object that nobody else holds; its content is that of its last use.
+  /// Returns an object that nobody else holds. It still has the content of its last use.
   std::shared_ptr<T> take() {
     Slot* slot = slots_->take();
     return std::shared_ptr<T>(&slot->value, NoDelete{}, SlotAllocator<T>(slots_, slot));
   }
-  /// Objects made so far: the most that were in use at one time.
+  /// Number of objects made so far, which is the largest number in use at one time.
   std::size_t size() const { return slots_->size(); }
 
  private:
   struct Slot {
     T value{};
-    /// Room for the shared_ptr's control block, so that handing out does not allocate.
+    /// Holds the shared_ptr's control block, so that handing out does not allocate.
     alignas(std::max_align_t) std::array<std::byte, 128> control;
   };
   class Slots {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long work says how far it is.
+// Callback for the progress of long work.
 #pragma once
 
 #include <functional>

@@ -29,21 +29,21 @@ class QuantileSketch {
 
   /// The q-quantile (q in 0..1, clamped) by the rank rule of measure::quantile (linear
   /// interpolation between the two nearest ranks; Hyndman and Fan 1996, type 7). Exact at q = 0 and
-  /// q = 1, within kRelativeError between. 0 of nothing.
+  /// q = 1, within kRelativeError between. 0 without samples.
   [[nodiscard]] double quantile(double q) const;
 
   [[nodiscard]] std::uint64_t count() const { return count_; }
   /// How many calls of add() returned false.
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
-  /// Arithmetic mean, from the sum of the samples in the order of add(); 0 of nothing.
+  /// Arithmetic mean, from the sum of the samples in the order of add(); 0 without samples.
   [[nodiscard]] double mean() const;
-  /// Smallest sample, exact; 0 of nothing.
+  /// Smallest sample, exact; 0 without samples.
   [[nodiscard]] double min() const { return min_; }
-  /// Largest sample, exact; 0 of nothing.
+  /// Largest sample, exact; 0 without samples.
   [[nodiscard]] double max() const { return max_; }
 
  private:
-  /// A bucket, and how many samples lie in it and below it.
+  /// A bucket, and the number of samples in it and in all lower buckets.
   struct Position {
     std::size_t bucket = 0;
     std::uint64_t count_to_end = 0;

@@ -33,7 +33,7 @@ int mirrored(int at, int count) {
   return at < 0 ? -at : at >= count ? 2 * count - 2 - at : at;
 }
 
-/// The sample of a pixel, or of a neighbour outside, as sRGB of its own colour.
+/// Returns the sample of a pixel, or of a mirrored one outside, as sRGB of its own colour.
 int bayer_at(const RawPicture& picture, int x, int y) {
   const int sample =
       sample_at(picture, mirrored(x, picture.size.width), mirrored(y, picture.size.height));
@@ -43,7 +43,7 @@ int bayer_at(const RawPicture& picture, int x, int y) {
   return red_row != red_column ? c.g : red_row ? c.r : c.b;
 }
 
-/// Bilinear.
+/// Interpolates a Bayer pixel bilinearly.
 Rgb8 bayer_pixel(const RawPicture& p, int x, int y) {
   const auto at = [&](int dx, int dy) { return bayer_at(p, x + dx, y + dy); };
   const auto byte = [](int value) { return static_cast<std::uint8_t>(value); };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The last lines of the log, for who shows them.
+// Keeps the last lines of the log for display.
 #pragma once
 
 #include <string>
@@ -7,7 +7,8 @@
 
 namespace mixrig {
 
-/// The last 50 lines that were written, "level category: message", the newest last. Thread-safe.
+/// Returns the last 50 lines that were written, "level category: message", the newest last.
+/// Thread-safe.
 std::vector<std::string> recent_log_lines();
 
 }  // namespace mixrig

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A queue of fixed room: a full one forgets its oldest and counts it.
+// A queue of fixed capacity: when full it drops its oldest item and counts it.
 #pragma once
 
 #include <array>
@@ -10,17 +10,17 @@
 
 namespace mixrig {
 
-/// Holds at most N. Nothing allocates but what moving a T does. One thread.
+/// Holds at most N items. Allocates only what moving a T does. For one thread.
 template <typename T, std::size_t N>
 class Ring {
  public:
-  /// Returns what had to go, or a T that is empty.
+  /// Appends an item. Returns the item that was dropped for it, or T{}.
   T push(T item) {
     T forgotten = count_ == N ? drop() : T{};
     items_[(first_ + count_++) % N] = std::move(item);
     return forgotten;
   }
-  /// The oldest. Of this and what follows: only where the ring is not empty.
+  /// The oldest item. Precondition of front(), pop() and drop(): the ring is not empty.
   T& front() { return items_[first_]; }
   T pop() {
     T item = std::exchange(items_[first_], T{});
@@ -28,12 +28,12 @@ class Ring {
     --count_;
     return item;
   }
-  /// As pop(), counted: nobody will see it.
+  /// Does what pop() does, and counts the item as dropped.
   T drop() {
     ++dropped_;
     return pop();
   }
-  /// Moves the oldest ones to `out`; returns how many.
+  /// Moves items to `out`, the oldest first; returns how many.
   std::size_t take(std::span<T> out) {
     std::size_t taken = 0;
     while (taken < out.size() && count_ > 0) out[taken++] = pop();
@@ -44,7 +44,7 @@ class Ring {
   }
   std::size_t size() const { return count_; }
   bool empty() const { return count_ == 0; }
-  /// Since construction.
+  /// Number of items dropped since construction.
   std::uint64_t dropped() const { return dropped_; }
 
  private:

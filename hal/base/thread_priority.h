@@ -5,7 +5,7 @@
 namespace mixrig {
 
 /// Lets other threads of the process go first (nice 10): for work that must not delay the
-/// compositor. Without effect where the system refuses.
+/// compositor. Has no effect where the system refuses.
 void lower_thread_priority();
 
 }  // namespace mixrig

@@ -7,13 +7,14 @@
 
 namespace mixrig {
 
-/// Pieces of background work run at the same time as each other, but not while a Pause lives. Work
-/// that has begun is not interrupted: a Pause waits for it, and no further piece begins meanwhile.
-/// For one pausing thread and any number of working ones. A piece of work must not wait for the
-/// pausing thread.
+/// Pieces of background work may run at the same time, but not while a Pause lives. Work that has
+/// begun is not interrupted: a Pause waits for it, and no further piece begins meanwhile. For one
+/// pausing thread and any number of working ones. A piece of work must not wait for the pausing
+/// thread.
 class WorkGate {
  public:
-  /// One piece of work of the calling thread; waits until no Pause lives. Without a gate, nothing.
+  /// Marks a piece of work of the calling thread; waits until no Pause lives. Does nothing if
+  /// `gate` is null.
   class Work {
    public:
     explicit Work(WorkGate* gate) : gate_(gate) {
@@ -35,7 +36,7 @@ class WorkGate {
     WorkGate* const gate_;
   };
 
-  /// Waits until no work runs, and keeps it out until its own end. Without a gate, nothing.
+  /// Waits until no work runs, and lets none begin while it lives. Does nothing if `gate` is null.
   class Pause {
    public:
     explicit Pause(WorkGate* gate) : gate_(gate) {

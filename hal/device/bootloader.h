@@ -23,18 +23,19 @@ struct BootloaderInfo {
   std::vector<FlashSector> sectors;
 };
 
-/// For one thread. Errors of every method: kTimeout without an answer, kDevice when it refuses.
-/// write() does not check what flash holds afterwards: read it back.
+/// A bootloader, for one thread. Errors of every method: kTimeout without an answer, kDevice when
+/// it refuses. write() does not verify what flash then holds: read it back.
 class Bootloader {
  public:
   virtual ~Bootloader() = default;
-  /// Call it first.
+  /// Connects to the bootloader; must be called first.
   virtual Result<BootloaderInfo> connect() = 0;
-  /// Over a UART the data has no checksum: read twice where it matters.
+  /// Reads out.size() bytes from `address`. Over a UART the data has no checksum: read twice where
+  /// it matters.
   virtual Result<void> read(std::uint32_t address, std::span<std::uint8_t> out) = 0;
-  /// `sector` must be one that connect() returned.
+  /// Erases a sector, which must be one that connect() returned.
   virtual Result<void> erase(const FlashSector& sector) = 0;
-  /// Address and size are multiples of 4; the sectors must be erased already.
+  /// Writes data. Address and size are multiples of 4; the sectors must be erased already.
   virtual Result<void> write(std::uint32_t address, std::span<const std::uint8_t> data) = 0;
   /// Leaves the bootloader and starts the program whose vector table is at `address`.
   virtual Result<void> go(std::uint32_t address) = 0;

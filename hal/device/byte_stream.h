@@ -19,7 +19,8 @@ struct LineSettings {
   Parity parity = Parity::kNone;
 };
 
-/// For one thread. Errors: kDevice when the other end is gone (unplugged, hung up).
+/// A two-way byte stream. For one thread. Errors: kDevice when the other end is gone (unplugged,
+/// hung up).
 class ByteStream {
  public:
   virtual ~ByteStream() = default;

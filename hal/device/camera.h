@@ -20,26 +20,26 @@ enum class StampClock {
   kDevice,  ///< the device's own oscillator: host/capture/sync maps it
 };
 
-/// How YUV becomes R'G'B'. JPEG files are full range BT.601, whatever this says.
+/// Matrix that converts YUV to R'G'B'. JPEG files are always full-range BT.601.
 enum class YuvMatrix { kBt601, kBt709, kBt2020 };
 enum class SampleRange {
   kUsual,    ///< YUV limited, everything else full
-  kLimited,  ///< black is 16, white 235, chroma 16 to 240, of 8 bit
+  kLimited,  ///< 8-bit black is 16, white 235, chroma 16 to 240
   kFull,
 };
-/// How R'G'B', grey and Bayer samples become linear light.
+/// Converts R'G'B', grey and Bayer samples to linear light.
 enum class Transfer {
   kSrgb,    ///< IEC 61966-2-1
   kBt709,   ///< ITU-R BT.709, from picture to scene light
-  kLinear,  ///< samples are light, as those of most machine-vision cameras
+  kLinear,  ///< samples are linear light, as in most machine-vision cameras
   kGamma,   ///< light = sample ^ gamma
 };
-/// What the samples of a camera mean. Primaries are those of sRGB.
+/// Meaning of a camera's samples. Primaries are those of sRGB.
 struct ColorEncoding {
   YuvMatrix matrix = YuvMatrix::kBt601;
   SampleRange range = SampleRange::kUsual;
   Transfer transfer = Transfer::kSrgb;
-  double gamma = 2.2;  ///< of kGamma
+  double gamma = 2.2;  ///< used by kGamma only
   bool operator==(const ColorEncoding&) const = default;
 };
 
@@ -50,8 +50,9 @@ struct StreamRequest {
   double rate_hz = 0;
   bool hardware_trigger = false;  ///< one frame per trigger edge, where the device supports it
   std::string trigger_input{};  ///< the device's name of that input; empty: the driver's usual one
-  /// Frames may lie in the device's own buffers, where their driver shares these (Frame::memory):
-  /// nothing is copied, but a processor may read them slowly. Who keeps frames gets copies.
+  /// Frames may lie in the device's own buffers, where the driver shares these (Frame::memory).
+  /// Nothing is copied, but a processor may read them slowly. While consumers hold so many that the
+  /// device has too few, frames are copies.
   bool lends = false;
 };
 
@@ -78,12 +79,12 @@ struct CameraInfo {
   StampClock stamp_clock = StampClock::kNone;
   bool hardware_trigger = false;  ///< exposes on trigger edges
   std::vector<ControlRange> controls{};
-  ColorEncoding color{};                          ///< as the device tells it
-  std::uint16_t usb_vendor = 0, usb_product = 0;  ///< 0 where it is no USB device, or not known
+  ColorEncoding color{};                          ///< as the device reports it
+  std::uint16_t usb_vendor = 0, usb_product = 0;  ///< 0: not a USB device, or unknown
   std::string
-      ptp{};  ///< PTP of the camera's clock, when it was opened: "off" or its state; empty: none
-  bool mirrored = false;  ///< its pictures show left on the right
-  int sample_bits = 8;    ///< of grey and Bayer samples, before they were scaled to 16 bit
+      ptp{};  ///< PTP state of the camera's clock when it was opened, or "off"; empty: no PTP
+  bool mirrored = false;  ///< its pictures are mirrored left to right
+  int sample_bits = 8;    ///< of grey and Bayer samples, before scaling to 16 bit
 };
 
 /// Present state of a device.
@@ -106,8 +107,8 @@ struct StreamHealth {
   std::uint64_t returns = 0;      ///< times the device was lost and found again
 };
 
-/// A camera. Methods are for one thread, except health(), which any thread may call, and set() and
-/// get(), which another one may call between start() and stop().
+/// A camera. Call its methods from one thread, except health(), which any thread may call, and
+/// set() and get(), which another thread may call between start() and stop().
 class Camera {
  public:
   virtual ~Camera() = default;

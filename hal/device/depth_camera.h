@@ -15,28 +15,29 @@ namespace mixrig::device {
 
 enum class DepthMeaning { kZ, kDistance };  ///< along the optical axis, or along the ray
 
-/// Pinhole that the device reports, pixels; conventions of the picture are the device's.
+/// Pinhole camera that the device reports, in pixels, with the device's own pixel convention.
 struct DeviceIntrinsics {
   double focal_px = 0, principal_x_px = 0, principal_y_px = 0;
 };
 
-/// metres = step * metres_per_step + offset_m, along what `meaning` says, except for steps and
-/// pixels that are no measurement.
+/// Converts depth steps: metres = step * metres_per_step + offset_m, along the axis or ray
+/// (`meaning`). Steps in unknown_steps and pixels below least_confidence are no measurement.
 struct DepthInfo {
   double metres_per_step = 0.001;
-  bool unit_known = true;  ///< false: the device does not tell what a step is
-  double offset_m = 0;     ///< from the centre of projection to the origin of the steps
-  std::vector<int> unknown_steps = {0};  ///< no measurement; the first one is what drivers write
-  /// Pixels of a lower confidence are no measurement: of Frame::confidence where a frame has it,
-  /// else of its amplitude. 0: all are used.
+  bool unit_known = true;  ///< false: the device does not report the size of a step
+  double offset_m = 0;     ///< distance of step 0 from the centre of projection
+  /// Steps that mean "no measurement"; drivers write the first.
+  std::vector<int> unknown_steps = {0};
+  /// Pixels below this are no measurement. It is compared with Frame::confidence where a frame has
+  /// it, else with its amplitude. 0: all pixels are used.
   int least_confidence = 0;
-  /// Amplitude is the light that comes back: it falls with the square of the distance.
+  /// Amplitude is proportional to the returned light, which falls with the square of the distance.
   bool amplitude_is_light = false;
   DepthMeaning meaning = DepthMeaning::kZ;
   std::optional<DeviceIntrinsics> intrinsics{};
 };
 
-/// State of the sensor beside its stream; NaN where the device does not report it.
+/// State of the sensor; NaN where the device does not report it.
 struct DepthHealth {
   double temperature_c = std::numeric_limits<double>::quiet_NaN();
   double mean_amplitude =
@@ -44,7 +45,7 @@ struct DepthHealth {
 };
 
 /// A ToF or stereo camera. Frames are kDepth16, with amplitude where the device has it.
-/// Threads as Camera.
+/// Threads: see Camera.
 class DepthCamera {
  public:
   virtual ~DepthCamera() = default;

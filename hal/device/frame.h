@@ -25,7 +25,7 @@ enum class PixelFormat {
   kMjpeg,  ///< one JPEG file
   kGray8,
   kGray16,      ///< full scale is 65535, whatever the sensor's bits
-  kBayerRggb8,  ///< named by the first two rows
+  kBayerRggb8,  ///< names of Bayer formats give the first two rows
   kBayerGrbg8,
   kBayerGbrg8,
   kBayerBggr8,
@@ -59,13 +59,14 @@ struct Frame {
   std::span<const std::uint8_t> bytes{};  ///< the picture; for kMjpeg a whole file
   std::span<const std::uint8_t>
       amplitude{};  ///< ToF: 16-bit amplitudes, same size and packed; or empty
-  std::span<const std::uint8_t> confidence{};  ///< of depth: the same, 16 bit; or empty
-  std::uint64_t sequence = 0;                  ///< the device's counter
-  DeviceTime device_time{};                    ///< the device's stamp of mid-exposure, own clock
-  HostTime received{};                         ///< when the driver received it
-  Duration exposure{};                         ///< 0 where unknown
+  /// Depth only: 16-bit confidence, same size and packed; or empty.
+  std::span<const std::uint8_t> confidence{};
+  std::uint64_t sequence = 0;  ///< the device's counter
+  DeviceTime device_time{};    ///< mid-exposure, on the device's clock
+  HostTime received{};         ///< when the driver received it
+  Duration exposure{};         ///< 0 where unknown
   std::uint32_t flags = kFrameOk;
-  DmaBuf memory{};  ///< that `bytes` lie in, where the driver shares it (StreamRequest::lends)
+  DmaBuf memory{};  ///< shared memory that holds `bytes` (StreamRequest::lends)
 };
 
 /// Dropping the last reference returns the buffer to its pool.

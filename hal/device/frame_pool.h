@@ -15,7 +15,7 @@ namespace mixrig::device {
 /// also after the pool itself is gone.
 class FramePool {
  public:
-  /// `buffers` frames of at most so many bytes of picture, amplitude and confidence each.
+  /// Makes `buffers` frames; each holds at most so many bytes of picture, amplitude and confidence.
   FramePool(int buffers, std::size_t bytes, std::size_t amplitude_bytes = 0,
             std::size_t confidence_bytes = 0);
 
@@ -31,8 +31,9 @@ class FramePool {
     std::span<std::uint8_t> bytes() const { return bytes_; }
     std::span<std::uint8_t> amplitude() const { return amplitude_; }
     std::span<std::uint8_t> confidence() const { return confidence_; }
-    /// Makes it immutable. `frame.bytes`, `frame.amplitude` and `frame.confidence` are set to the
-    /// first so many used bytes of this buffer; they are clipped to what it holds.
+    /// Publishes the frame as immutable. `frame.bytes`, `frame.amplitude` and `frame.confidence`
+    /// are set to the used bytes at the start of this buffer; the counts are clipped to what it
+    /// holds.
     FramePtr publish(Frame frame, std::size_t used, std::size_t amplitude_used = 0,
                      std::size_t confidence_used = 0) &&;
 
@@ -44,7 +45,7 @@ class FramePool {
     std::span<std::uint8_t> bytes_, amplitude_, confidence_;
   };
 
-  /// An empty Draft when every buffer is in use: drop the picture and count it.
+  /// Returns an empty Draft when every buffer is in use: drop the picture and count it.
   Draft take();
   int free() const;
 

@@ -41,8 +41,8 @@ struct PanTiltHealth {
   bool limit_hit = false;         ///< a limit was hit since the last move_to
 };
 
-/// For one thread. Errors of every method: kTimeout when the device does not answer, kDevice when
-/// it refuses or its answer is invalid.
+/// A pan-tilt head. For one thread. Errors of every method: kTimeout when the device does not
+/// answer, kDevice when it refuses or its answer is invalid.
 class PanTilt {
  public:
   virtual ~PanTilt() = default;

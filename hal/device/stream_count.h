@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What camera drivers share: what they count of a stream, and the thread that serves it.
+// Counters and the serving thread that camera drivers share.
 #pragma once
 
 #include <atomic>
@@ -17,12 +17,13 @@ namespace mixrig::device {
 /// with its own mutex.
 class StreamCount {
  public:
-  /// The device counts anew: nothing is lost before the next frame.
+  /// Call it when the device restarts its counter: no frame counts as lost before the next one.
   void begin() { last_.reset(); }
-  /// The device was lost and streams again; its next frame is flagged kFrameRestarted.
+  /// Call it when a lost device streams again: its next frame is flagged kFrameRestarted.
   void come_back();
-  /// Flags a frame by its sequence and counts it; `frame` has kFrameIncomplete where it is not
-  /// whole. False where it is not to be published, since every buffer is in use.
+  /// Sets the flags of a frame by its sequence number and counts it; the caller has set
+  /// kFrameIncomplete where it is not whole. Returns false, counted as overrun, where every buffer
+  /// is in use: do not publish it then.
   bool count(Frame& frame, bool has_buffer);
 
   StreamHealth health;
@@ -32,21 +33,23 @@ class StreamCount {
   bool restarted_ = false;
 };
 
-/// The thread of a driver. start, stop and runs are for one thread, stopping for any, find_again
-/// for the driver's own.
+/// The thread of a driver. One thread calls start, stop and runs, any thread stopping; the driver's
+/// own thread calls find_again.
 class DriverThread {
  public:
   explicit DriverThread(Clock& clock) : clock_(clock) {}
   ~DriverThread() { stop(); }
 
   bool runs() const { return thread_.joinable(); }
-  /// `work` returns soon after stopping() is true. Precondition: it does not run.
+  /// Starts the thread with `work`, which must return soon after stopping() is true. Precondition:
+  /// the thread does not run.
   void start(std::function<void()> work);
-  /// Returns when `work` has returned; false where it did not run.
+  /// Asks `work` to end and returns once it has; false if it did not run.
   bool stop();
   bool stopping() const { return stop_; }
-  /// Calls `find` four times a second until it is true; false where stop() came first. `who` and
-  /// `uri` are for the log, which has two lines, however often it tries.
+  /// Calls `find` four times a second until it returns true; returns false if stop() came first.
+  /// `who` and `uri` name the device in the log, which gets two lines, however many tries there
+  /// are.
   bool find_again(const char* who, const std::string& uri, const std::function<bool()>& find);
 
  private:

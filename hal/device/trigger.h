@@ -13,7 +13,8 @@
 
 namespace mixrig::device {
 
-/// One line. A pulse of `width` begins `phase` after every `divider`-th master tick.
+/// Settings of one trigger line: a pulse of `width` begins `phase` after every `divider`-th master
+/// tick.
 struct TriggerChannel {
   int divider = 0;  ///< 0: the line is off
   Duration phase{}, width{};
@@ -27,13 +28,13 @@ struct TriggerTick {
   std::uint32_t channels = 0;  ///< mask of lines whose pulse begins in this tick
 };
 
-/// Reported ticks that were not read yet: room for ten seconds of the master.
+/// Holds reported ticks that were not read yet, for ten seconds of the master.
 using TickRing = Ring<TriggerTick, 1024>;
 
 struct TriggerInfo {
   std::string uri, version, unique_id;
   std::string reset_cause;  ///< why the controller last started
-  std::string clock;        ///< its time base
+  std::string clock;        ///< source of its time base
   std::uint32_t image_crc = 0;
   int channels = 0, max_divider = 0;
   Duration tick{}, slot{};  ///< period of the master; unit of phases and widths
@@ -64,18 +65,19 @@ struct TriggerStatus {
   std::vector<TriggerFault> faults;  ///< every fault that the controller or the link counts
 };
 
-/// For one thread. Errors of every method: kTimeout when the controller does not answer; kDevice
-/// when it refuses, was reset, or uses another protocol version (the line says which).
+/// A trigger master. For one thread. Errors of every method: kTimeout when the controller does not
+/// answer; kDevice when it refuses, was reset, or uses another protocol version (the line says
+/// which).
 class TriggerMaster {
  public:
   virtual ~TriggerMaster() = default;
   virtual const TriggerInfo& info() const = 0;
   virtual Result<TriggerStatus> status() = 0;
-  /// Errors: kDevice while running; kUsage as check_channel().
+  /// Sets one line. Errors: kDevice while running; kUsage where check_channel() refuses.
   virtual Result<void> configure(int channel, const TriggerChannel& settings) = 0;
-  /// Runs from the next master tick on, which is tick 0. Restarts where it runs already.
+  /// Starts with the next master tick, which becomes tick 0. Restarts if it runs already.
   virtual Result<void> start() = 0;
-  /// Lines go inactive at once. Does nothing where nothing runs.
+  /// Sets the lines inactive at once. Does nothing if it does not run.
   virtual Result<void> stop() = 0;
   /// Moves reported ticks to `out`; waits at most `timeout` for the first one. 0 when none arrived.
   virtual Result<std::size_t> read_ticks(std::span<TriggerTick> out, Duration timeout) = 0;

@@ -19,7 +19,8 @@ struct LineEdge {
 /// Receives edges on the driver's thread. Must not block.
 using EdgeSink = std::function<void(const LineEdge&)>;
 
-/// Rising edges of one line. Methods for one thread, health() for any.
+/// Reports the rising edges of one line. One thread calls the methods; any thread may call
+/// health().
 class TriggerInput {
  public:
   virtual ~TriggerInput() = default;

@@ -23,7 +23,7 @@ enum class BulkState {
 /// Receives the bytes of transfers, in order, inside pump().
 using BulkSink = std::function<void(std::span<const std::uint8_t>)>;
 
-/// For one thread.
+/// A USB device with a bulk IN pipe. For one thread.
 class UsbBulk {
  public:
   virtual ~UsbBulk() = default;
@@ -31,13 +31,13 @@ class UsbBulk {
   virtual Result<void> open() = 0;
   /// Cancels all transfers. Does nothing when closed.
   virtual void close() = 0;
-  /// A vendor request to the interface: reads into `in` where it is not empty. Returns the count
-  /// of bytes read. Errors: kDevice.
+  /// Sends a vendor request to the interface; reads the answer into `in` unless that is empty.
+  /// Returns the number of bytes read. Errors: kDevice.
   virtual Result<std::size_t> request(std::uint8_t request, std::uint16_t value,
                                       std::span<std::uint8_t> in) = 0;
-  /// Clears a halt and puts transfers in flight. Errors: kDevice.
+  /// Clears a halt and submits the transfers. Errors: kDevice.
   virtual Result<void> submit() = 0;
-  /// No transfer is in flight when it returns.
+  /// Cancels the transfers; none is in flight when it returns.
   virtual void cancel() = 0;
   /// Passes received bytes to `sink`, waiting at most `timeout`, and resubmits the transfers.
   virtual BulkState pump(Duration timeout, const BulkSink& sink) = 0;

@@ -11,7 +11,7 @@
 
 namespace mixrig::device {
 
-/// What the descriptors say about a DFU interface.
+/// A DFU interface as the USB descriptors state it.
 struct DfuInterface {
   std::uint8_t number = 0;
   std::size_t transfer_size = 0;  ///< largest data block, bytes

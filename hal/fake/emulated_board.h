@@ -15,27 +15,27 @@
 
 namespace mixrig::fake {
 
-/// What runs on the board.
+/// Program that runs on the board.
 enum class BoardMode { kFirmware, kBootloader, kNothing };
 
-/// Time comes from the caller. Not thread-safe.
+/// An emulated trigger board. The caller gives the time. Not thread-safe.
 class EmulatedBoard {
  public:
   EmulatedBoard() : rom_(flash_) {}
 
-  /// Power off and on. Starts the bootloader if `boot0`; else the firmware if flash holds a vector
-  /// table (with the result of its own image check); else nothing runs.
+  /// Switches power off and on. With `boot0` the bootloader starts. Else the firmware starts if
+  /// flash holds a vector table, with the result of its own image check; without one nothing runs.
   void power_cycle(bool boot0);
   void receive(std::span<const std::uint8_t> bytes);
   std::vector<std::uint8_t> transmitted();
-  /// `time_us` is of the board's own clock.
+  /// Runs the board up to `time_us` on its own clock.
   void advance_to(std::uint64_t time_us);
   std::uint64_t next_event_us() const;
 
   BoardMode mode() const { return mode_; }
   EmulatedFlash& flash() { return flash_; }
   EmulatedRom& rom() { return rom_; }
-  /// Only in kFirmware.
+  /// Precondition: mode() is kFirmware.
   sim::SimBoard& firmware() { return *firmware_; }
 
  private:
@@ -55,12 +55,12 @@ class BoardStream final : public device::ByteStream {
  public:
   struct Line {
     double byte_error_share = 0;  ///< share of bytes, either way, that are replaced by another
-    Duration delay_max{};         ///< of each transfer, either way, uniform from 0
-    double drift_ppm = 0;         ///< of the board's clock
+    Duration delay_max{};         ///< delay of each transfer, either way, uniform from 0 to this
+    double drift_ppm = 0;         ///< drift of the board's clock
     bool cut = false;             ///< no byte arrives, either way
   };
 
-  /// Both must outlive it.
+  /// `board` and `clock` must outlive it.
   BoardStream(EmulatedBoard& board, ManualClock& clock, std::uint64_t seed = 1)
       : board_(board), clock_(clock), random_(seed) {}
 
@@ -70,8 +70,8 @@ class BoardStream final : public device::ByteStream {
 
   void reseed(std::uint64_t seed) { random_.seed(seed); }
   Line line;
-  device::LineSettings settings;  ///< as last set
-  /// The board's clock when the host's is at `host`: the truth for tests of a clock map.
+  device::LineSettings settings;  ///< settings of the last set_line()
+  /// Returns the board's clock at host time `host`: the truth for tests of a clock map.
   std::uint64_t board_time_us(HostTime host) const;
   HostTime host_time(double board_us) const;
 

@@ -22,7 +22,8 @@ class EmulatedFlash {
   static std::optional<int> sector_of(std::uint32_t address);
   static bool contains(std::uint32_t address, std::size_t size);
 
-  /// False where the power is off, or fails midway: then half of it is done.
+  /// Writes `data` to flash. Returns false if the power is off, or fails midway: then half of it is
+  /// written.
   bool program(std::uint32_t address, std::span<const std::uint8_t> data);
   bool erase_sector(int sector);
   bool erase_all();
@@ -36,7 +37,7 @@ class EmulatedFlash {
   void power_on() { powered_ = true; }
   bool powered() const { return powered_; }
   int changes() const { return changes_; }
-  /// One bit that no erase or program can change: a worn cell.
+  /// Emulates a worn cell: no erase or program changes one bit at `address`.
   void wear_out(std::uint32_t address) { worn_ = address - kBase; }
 
  private:

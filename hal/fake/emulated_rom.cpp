@@ -25,7 +25,8 @@ enum Command : std::uint8_t {
 constexpr std::array<std::uint8_t, 7> kCommands = {kGet, kGetVersion, kGetId,        kRead,
                                                    kGo,  kWrite,      kExtendedErase};
 
-/// Of the F405: unique number, flash size in KiB, option bytes.
+/// Readable memory of the F405 besides flash and RAM: unique number, flash size in KiB, option
+/// bytes.
 constexpr std::uint32_t kUidBase = 0x1FFF7A10;
 constexpr std::array<std::uint8_t, 20> kUid = {'E', 'M', 'U', 'L', 'A', 'T', 'E', 'D', 'R', 'O',
                                                'M', '1', 255, 255, 255, 255, 255, 255, 0,   4};

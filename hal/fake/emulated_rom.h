@@ -17,10 +17,10 @@ class EmulatedRom {
   /// `flash` must outlive it. Sends nothing while the flash has no power.
   explicit EmulatedRom(EmulatedFlash& flash) : flash_(flash), ram_(kRamSize, 0) {}
 
-  /// A byte from the host; answers are in output(), the caller erases what it sent.
+  /// Takes a byte from the host. Answers are appended to output(); the caller erases what it sent.
   void receive(std::uint8_t byte);
   std::vector<std::uint8_t>& output() { return output_; }
-  /// As after a reset: waits for the first 0x7F.
+  /// Resets the bootloader: it waits for the first 0x7F.
   void reset();
   /// Address of the host's Go command; the bootloader has stopped then.
   std::optional<std::uint32_t> gone_to() const { return gone_to_; }
@@ -54,7 +54,7 @@ class EmulatedRom {
   void on_erase_pages();
   void on_go_address();
   void answer(std::span<const std::uint8_t> bytes);
-  /// Memory that may be read at `address`; empty where none may.
+  /// Returns the readable memory at `address`; empty if it may not be read.
   std::span<const std::uint8_t> readable(std::uint32_t address, std::size_t size) const;
 
   EmulatedFlash& flash_;

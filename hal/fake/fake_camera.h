@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera that a test drives frame by frame, with back doors for every fault.
+// A camera that a test drives frame by frame and in which it can cause every fault.
 #pragma once
 
 #include <atomic>
@@ -25,13 +25,15 @@ class FakeCamera final : public device::Camera {
   Result<double> get(device::CameraControl control) override;
   device::StreamHealth health() const override;
 
-  /// One exposure now: the counter increments, and a frame whose bytes all hold the counter's low
-  /// byte is delivered while it streams and is plugged in. `count` > 1 repeats the same counter.
+  /// Makes one exposure now: the counter increments and, if the camera streams and is plugged in, a
+  /// frame is delivered whose bytes all hold the counter's low byte. `count` > 1 delivers further
+  /// frames with the same counter.
   void emit(int count = 1);
-  void drop_next(int frames) { drop_ += frames; }  ///< exposed, but never delivered
-  void damage_next() { damage_ = true; }           ///< arrives incomplete
-  void repeat();                                   ///< delivers the last frame once more
-  void set_clock(Duration ahead);  ///< its stamps are the host's time plus this from now on
+  /// The next frames are exposed, but never delivered.
+  void drop_next(int frames) { drop_ += frames; }
+  void damage_next() { damage_ = true; }  ///< the next frame arrives incomplete
+  void repeat();                          ///< delivers the last frame once more
+  void set_clock(Duration ahead);         ///< from now on its stamps are host time plus `ahead`
   void unplug();
   void replug();  ///< the counter restarts
   void fail_next_start(Error error) { start_error_ = std::move(error); }

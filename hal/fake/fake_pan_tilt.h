@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pan-tilt head without a serial line: it moves by the given clock, with back doors for faults.
+// A pan-tilt head without a serial line: it moves by the given clock, and tests can cause faults.
 #pragma once
 
 #include <mutex>
@@ -9,7 +9,7 @@
 
 namespace mixrig::fake {
 
-/// Any threads.
+/// A pan-tilt head for tests. Any thread may call its methods.
 class FakePanTilt final : public device::PanTilt {
  public:
   enum class Fault {
@@ -28,7 +28,7 @@ class FakePanTilt final : public device::PanTilt {
   device::PanTiltHealth health() const override;
 
   void set_fault(Fault fault);
-  /// The head reports that it hit a limit.
+  /// Makes the head report that it hit a limit.
   void hit_limit();
 
  private:

@@ -13,7 +13,7 @@ FakeTrigger::FakeTrigger(Clock& clock) : clock_(clock), booted_(clock.now()) {
   info_.slot = std::chrono::microseconds(100);
 }
 
-/// With the lock held.
+/// Returns the error of a silent trigger. Call with the lock held.
 Result<void> FakeTrigger::answer() const {
   if (!silent_) return {};
   return Error{ErrorCode::kTimeout, "fake:trigger: no answer"};

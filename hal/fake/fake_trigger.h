@@ -10,7 +10,8 @@
 
 namespace mixrig::fake {
 
-/// Its clock counts from its start or its last reset. Any threads.
+/// A trigger master for tests. Its clock counts from its construction or its last reset. Any thread
+/// may call its methods.
 class FakeTrigger final : public device::TriggerMaster {
  public:
   explicit FakeTrigger(Clock& clock);
@@ -21,14 +22,14 @@ class FakeTrigger final : public device::TriggerMaster {
   Result<void> stop() override;
   Result<std::size_t> read_ticks(std::span<device::TriggerTick> out, Duration timeout) override;
 
-  /// The next tick happens now, if it runs; returns its number.
+  /// Makes the next tick happen now if the trigger runs; returns its number.
   std::uint64_t tick();
-  /// As after a brown-out: idle, and tick numbers restart.
+  /// Resets the controller, as a brown-out does: it is idle, and tick numbers restart.
   void reset();
   bool running() const;
-  /// Its cable is unplugged: it continues to fire, but reports and answers are lost.
+  /// Unplugs its cable: it continues to fire, but reports and answers are lost.
   void set_silent(bool silent);
-  /// Reported ticks that were not read yet.
+  /// Number of reported ticks that were not read yet.
   std::size_t waiting() const;
   /// Waits until start() was called for the `count`-th time.
   bool wait_for_start(int count, Duration timeout);

@@ -8,7 +8,8 @@
 
 namespace mixrig::fake {
 
-/// Edges are delivered on the thread that calls edge(). Any threads.
+/// A trigger input for tests. Edges are delivered on the thread that calls edge(). Any thread may
+/// call its methods.
 class FakeTriggerInput final : public device::TriggerInput {
  public:
   explicit FakeTriggerInput(Clock& clock) : clock_(clock) {}
@@ -30,9 +31,9 @@ class FakeTriggerInput final : public device::TriggerInput {
     return health_;
   }
 
-  /// A rising edge now.
+  /// Delivers a rising edge stamped with the present time.
   void edge() { edge(clock_.now()); }
-  /// A rising edge stamped `at`.
+  /// Delivers a rising edge stamped `at`.
   void edge(HostTime at) {
     const std::lock_guard lock(mutex_);
     if (!sink_) return;

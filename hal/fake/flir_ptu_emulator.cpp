@@ -153,7 +153,7 @@ std::string FlirPtuEmulator::with_faults(std::string line) {
   if (roll() < faults.noise_share) {
     const int count = std::uniform_int_distribution<>(1, 8)(random_);
     std::string noise;
-    // Any byte but those that begin a reply: the protocol cannot distinguish such noise.
+    // Noise is any byte but those that begin a reply: the protocol cannot distinguish such noise.
     while (static_cast<int>(noise.size()) < count) {
       const char byte = static_cast<char>(std::uniform_int_distribution<>(1, 255)(random_));
       if (byte != '*' && byte != '!') noise += byte;
@@ -191,7 +191,7 @@ Result<void> FlirPtuLine::set_line(const device::LineSettings& settings) {
   return {};
 }
 
-/// Start and stop bit included.
+/// Time of bytes on the line, start and stop bits included.
 Duration FlirPtuLine::time_of(std::size_t bytes) const {
   return std::chrono::nanoseconds(10'000'000'000 / baud) * static_cast<long>(bytes);
 }

@@ -19,15 +19,16 @@ namespace mixrig::fake {
 class FlirPtuEmulator {
  public:
   struct Faults {
-    double limit_report_share = 0;  ///< of replies: "!P" or "!T" inserted at a random place
-    double noise_share = 0;         ///< of replies: 1 to 8 random bytes before it
-    bool silent = false;            ///< reads commands, never answers
-    bool stalled = false;           ///< answers, but the axes do not move
-    int late_replies = 0;           ///< how many replies are held back until the next command
+    /// Share of replies with "!P" or "!T" inserted at a random place.
+    double limit_report_share = 0;
+    double noise_share = 0;  ///< share of replies with 1 to 8 random bytes before them
+    bool silent = false;     ///< reads commands, never answers
+    bool stalled = false;    ///< answers, but the axes do not move
+    int late_replies = 0;    ///< how many replies are held back until the next command
   };
   explicit FlirPtuEmulator(std::uint64_t seed = 1) : random_(seed) {}
 
-  /// Takes bytes from the host; what it answers is in `output()`.
+  /// Takes bytes from the host; answers are appended to `output()`.
   void receive(std::span<const std::uint8_t> bytes, HostTime now);
   /// Bytes for the host, in order; the caller erases what it sent.
   std::string& output() { return output_; }
@@ -62,8 +63,8 @@ class FlirPtuEmulator {
   std::uint64_t commands_ = 0, limit_reports_ = 0;
 };
 
-/// The host's end of a cable to the emulator, on a given clock: a read that finds nothing waits for
-/// the time-out.
+/// The host's end of a cable to the emulator, on a given clock. A read that finds nothing advances
+/// the clock by the time-out.
 class FlirPtuLine final : public device::ByteStream {
  public:
   FlirPtuLine(FlirPtuEmulator& unit, Clock& clock) : unit_(unit), clock_(clock) {}
@@ -71,8 +72,8 @@ class FlirPtuLine final : public device::ByteStream {
   Result<void> write(std::span<const std::uint8_t> bytes) override;
   Result<void> set_line(const device::LineSettings& settings) override;
   bool unplugged = false;
-  int baud = 9600;                ///< a byte takes ten bits
-  int unit_baud = 0;              ///< of the unit, which takes nothing right at another; 0: any
+  int baud = 9600;                ///< baud rate of the host; a byte takes ten bits
+  int unit_baud = 0;              ///< baud rate of the unit, which understands no other; 0: any
   std::size_t longest_read = 64;  ///< bytes that one read returns at most
 
  private:

@@ -10,7 +10,7 @@
 
 namespace mixrig::device {
 
-/// Which interface of which device carries the stream.
+/// USB ids of the device and of the interface that carries the stream.
 struct BulkAddress {
   std::uint16_t vendor = 0, product = 0;
   std::uint8_t subclass = 0, protocol = 0;  ///< of the vendor-class interface

@@ -9,8 +9,9 @@
 
 namespace mixrig::device {
 
-/// `id` is "VID:PID" in hex. Selects the alternate setting of the internal flash. Errors: kUsage,
-/// kNotFound, kIo (permissions), kDevice (no DfuSe interface; two such devices).
+/// Opens the device `id`, "VID:PID" in hex, and selects the alternate setting of the internal
+/// flash. Errors: kUsage, kNotFound, kIo (permissions), kDevice (no DfuSe interface; two such
+/// devices).
 Result<std::unique_ptr<UsbControl>> open_dfu_device(const std::string& id);
 
 }  // namespace mixrig::device

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Transfers of libusb that stay in flight. Private to this module.
+// libusb transfers that are resubmitted when they complete. Private to this module.
 #pragma once
 
 #include <chrono>
@@ -11,7 +11,7 @@
 
 namespace mixrig::device {
 
-/// The transfers of one device; each is put in flight again when it comes back. For one thread.
+/// The transfers of one device; each is submitted again when it completes. For one thread.
 class LibusbTransfers {
  public:
   LibusbTransfers() = default;
@@ -22,15 +22,16 @@ class LibusbTransfers {
   }
 
   std::vector<libusb_transfer*>& all() { return all_; }
-  /// Before the first submit() of a stream.
+  /// Resets the state; call it before the first submit() of a stream.
   void begin() { state_ = BulkState::kFlowing, cancelling_ = false; }
-  /// Returns libusb's code.
+  /// Submits one transfer; returns libusb's code.
   int submit(libusb_transfer* transfer) {
     const int code = libusb_submit_transfer(transfer);
     if (code == 0) ++in_flight_;
     return code;
   }
-  /// Waits until libusb has returned every transfer: their memory belongs to the caller.
+  /// Cancels all transfers and waits, at most 5 s, until libusb has returned them: their memory
+  /// belongs to the caller.
   void cancel(libusb_context* context) {
     cancelling_ = true;
     if (in_flight_ > 0)
@@ -45,8 +46,8 @@ class LibusbTransfers {
     (void)libusb_handle_events_timeout(context, &wait);
     return state_;
   }
-  /// For the callback: passes what a transfer brought to `give` and submits it again, unless it
-  /// failed or is cancelled. Runs inside pump() and cancel().
+  /// To be called by the transfer's callback: passes the received data to `give` and submits the
+  /// transfer again, unless it failed or is cancelled. Runs inside pump() and cancel().
   template <typename Give>
   void returned(libusb_transfer* transfer, const Give& give) {
     --in_flight_;

@@ -60,7 +60,7 @@ struct FreeAddresses {
 };
 using Addresses = std::unique_ptr<addrinfo, FreeAddresses>;
 
-/// HOST:PORT or [HOST]:PORT.
+/// Resolves HOST:PORT or [HOST]:PORT.
 Result<Addresses> resolve(const std::string& host_and_port) {
   const auto colon = host_and_port.rfind(':');
   std::string host = host_and_port.substr(0, colon);

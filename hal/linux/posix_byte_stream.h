@@ -11,14 +11,14 @@ namespace mixrig::device {
 
 class PosixByteStream final : public ByteStream {
  public:
-  /// A terminal device, set to raw mode. Errors: kNotFound, kIo.
+  /// Opens a terminal device and sets it to raw mode. Errors: kNotFound, kIo.
   static Result<std::unique_ptr<ByteStream>> open_terminal(const std::string& path);
-  /// A Unix socket. Errors: kNotFound, kIo.
+  /// Connects to a Unix socket. Errors: kNotFound, kIo.
   static Result<std::unique_ptr<ByteStream>> connect_unix(const std::string& path);
-  /// `host_and_port`: HOST:PORT, an IPv6 address in brackets. Errors: kUsage, kNotFound, kIo,
-  /// kTimeout where nothing answers for two seconds.
+  /// Connects to `host_and_port`, HOST:PORT with an IPv6 address in brackets. Errors: kUsage,
+  /// kNotFound, kIo; kTimeout if nothing answers for two seconds.
   static Result<std::unique_ptr<ByteStream>> connect_tcp(const std::string& host_and_port);
-  /// Takes over a descriptor that is open; `name` is for error lines.
+  /// Takes ownership of an open descriptor; `name` is for error lines.
   PosixByteStream(int fd, std::string name);
   ~PosixByteStream() override;
   PosixByteStream(const PosixByteStream&) = delete;

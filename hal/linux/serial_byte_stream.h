@@ -14,7 +14,7 @@ namespace mixrig::device {
 /// A real port; libserialport cannot open ptys (see PosixByteStream).
 class SerialByteStream final : public ByteStream {
  public:
-  /// 115,200 baud, no parity, no flow control. Errors: kNotFound, kIo.
+  /// Opens the port at 115,200 baud, no parity, no flow control. Errors: kNotFound, kIo.
   static Result<std::unique_ptr<ByteStream>> open(const std::string& path);
   ~SerialByteStream() override;
   SerialByteStream(const SerialByteStream&) = delete;
@@ -31,8 +31,8 @@ class SerialByteStream final : public ByteStream {
   std::string name_;
 };
 
-/// Opens a stream by its name: `unix:PATH` and `tcp:HOST:PORT` a socket, a pty by PosixByteStream,
-/// else a serial port.
+/// Opens a stream by its name: `unix:PATH` and `tcp:HOST:PORT` are sockets, the path of a pty uses
+/// PosixByteStream, any other path is a serial port.
 Result<std::unique_ptr<ByteStream>> open_byte_stream(const std::string& name);
 
 }  // namespace mixrig::device

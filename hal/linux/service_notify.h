@@ -7,8 +7,8 @@
 namespace mixrig::device {
 
 /// Sends `state`, such as "READY=1" or "WATCHDOG=1". Does nothing without a service manager
-/// (NOTIFY_SOCKET). Never blocks. True when it was sent.
-/// Own code in place of libsystemd: a board binary should not link a library for one datagram.
+/// (NOTIFY_SOCKET). Never blocks. Returns true when it was sent.
+/// It replaces libsystemd, so that a board binary does not link a library for one datagram.
 bool notify_service(std::string_view state);
 
 }  // namespace mixrig::device

@@ -11,11 +11,11 @@
 
 namespace mixrig::device {
 
-/// A pipe that stalls, or delivers nothing for a second, is restarted (counted as a link error and
-/// a return); after the device was unplugged, the driver looks for it four times a second.
-/// `id` is "VVVV:PPPP" in hexadecimal. Errors: kUsage, kNotFound, kDevice.
+/// Opens a camera by `id`, "VVVV:PPPP" in hexadecimal. A pipe that stalls, or delivers nothing for
+/// a second, is restarted (counted as a link error and a return). After the device was unplugged,
+/// the driver looks for it four times a second. Errors: kUsage, kNotFound, kDevice.
 Result<std::unique_ptr<DepthCamera>> open_tof_usb(const std::string& id, Clock& clock);
-/// The same over any pipe. Errors: those of the pipe; kDevice for an invalid description.
+/// Opens a camera over any pipe. Errors: those of the pipe; kDevice for an invalid description.
 Result<std::unique_ptr<DepthCamera>> open_tof(std::unique_ptr<UsbBulk> pipe, std::string uri,
                                               Clock& clock);
 

@@ -13,11 +13,12 @@ namespace mixrig::device {
 
 /// Forwards to a stream. When the stream is lost (kDevice) it is closed; later calls try to reopen
 /// it with the last line settings, at most four times a second, and return that kDevice error until
-/// it works. No call waits for it, and nothing is resent: that is up to the protocol above.
+/// it works. No call waits for it, and nothing is resent: the protocol above must do that.
 class ReopeningByteStream final : public ByteStream {
  public:
   using Open = std::function<Result<std::unique_ptr<ByteStream>>()>;
-  /// Opens it for the first time. `clock` must outlive it. Errors: those of `open`.
+  /// Makes the stream and opens it for the first time. `clock` must outlive it. Errors: those of
+  /// `open`.
   static Result<std::unique_ptr<ByteStream>> make(Open open, Clock& clock);
 
   Result<std::size_t> read(std::span<std::uint8_t> out, Duration timeout) override;

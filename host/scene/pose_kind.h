@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// What each pose source of a scene needs, in one table.
+// Table of what each pose source of a scene needs.
 #pragma once
 
 #include "host/scene/scene.h"
 
 namespace mixrig::scene {
 
-/// What a pose has to do with the angles of the rig's head.
+/// How a pose depends on the angles of the rig's head.
 enum class HeadUse {
   kNone,
-  kWatched,  ///< it does not follow the head: one that turns would make the picture wrong
+  kWatched,  ///< the pose does not follow the head: a turning head would make the picture wrong
   kFollowed
 };
-/// The world that a pose is in.
+/// World frame of a pose.
 enum class PoseWorld {
-  kOfFrames,  ///< that of the poses recorded with the frames
-  kOfScene,   ///< that of the scene
-  kOfCamera   ///< begins at the camera, or below it
+  kOfFrames,  ///< the world of the poses recorded with the frames
+  kOfScene,   ///< the world of the scene
+  kOfCamera   ///< origin at the camera, or on the floor below it
 };
 
 struct PoseKind {
@@ -24,11 +24,11 @@ struct PoseKind {
   const char* name;  ///< the word of scene.toml
   HeadUse head;
   PoseWorld world;
-  bool is_live;  ///< for live devices alone
+  bool is_live;  ///< only for live devices
 };
 const PoseKind& kind_of(PoseSource source);
 
-/// Of the scene's pose source with its settings. Pure.
+/// Returns the head use of the scene's pose source and its settings. Pure.
 HeadUse head_use(const Scene& scene);
 
 }  // namespace mixrig::scene

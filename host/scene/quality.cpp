@@ -14,13 +14,14 @@ std::optional<Rung> read_rung(const config::Table& table, const char* key,
   return static_cast<Rung>(table.one_of(key, words, 0));
 }
 
-/// `instead`: the line of [quality] that says the same.
+/// Notes an error for a key of earlier versions. `instead` is the line of [quality] that replaces
+/// it.
 void refuse_earlier_key(const config::Table& table, const char* key, const std::string& instead) {
   table.fail(key,
              "is no key of this table any more: remove it, and write " + instead + " in [quality]");
 }
 
-/// What said a rung before [quality] did.
+/// Refuses the keys that set a quality level before [quality] existed.
 void refuse_earlier_keys(const config::Table& root) {
   const config::Table key = root.table("key"), light = root.table("light"),
                       focus = root.table("focus");

@@ -75,7 +75,7 @@ PoseSource read_source(const Table& table, CameraPoses& camera) {
   return static_cast<PoseSource>(table.one_of("pose", {kPoses.begin(), kPoses.end()}, 0));
 }
 
-/// Keys of another pose source: the scene would name two.
+/// Refuses keys of another pose source, since the scene would name two.
 void refuse_others(const Table& table, PoseSource source) {
   for (const OwnKey& own : kOwnKeys) {
     const auto is_used = [&](const OwnKey& other) {

@@ -9,7 +9,7 @@
 
 namespace mixrig::scene {
 
-/// Fills pose_source, camera and capture_volume of `scene`. What is wrong is noted in the document.
+/// Fills pose_source, camera and capture_volume of `scene`. Errors are noted in the document.
 /// Relative paths start at `folder`.
 void read_camera(const config::Table& table, const std::filesystem::path& folder, Scene& scene);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tables of scene.toml that tell what a run sends. Private to this module.
+// Reads the tables of scene.toml for the outputs of a run. Private to this module.
 #pragma once
 
 #include "host/math/config/table.h"
@@ -8,7 +8,7 @@
 namespace mixrig::scene {
 
 StreamOut read_stream_out(const config::Table& table);
-/// nullopt where the table is absent.
+/// Reads [focus]; nullopt if the table is absent.
 std::optional<FocusSettings> read_focus(const config::Table& table);
 
 }  // namespace mixrig::scene

@@ -7,8 +7,8 @@
 
 namespace mixrig::scene {
 
-/// Of the whole file: keys of other tables that said the same in earlier versions are errors, which
-/// tell what to write.
+/// Reads [quality]; `root` is the whole file, since keys of other tables with this meaning in
+/// earlier versions are errors that say what to write.
 Quality read_quality(const config::Table& root);
 
 }  // namespace mixrig::scene

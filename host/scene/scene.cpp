@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loading of scenes.
+// Loads scenes.
 #include "host/scene/scene.h"
 
 #include "host/math/config/table.h"

@@ -22,14 +22,14 @@ struct Mesh {
   std::vector<Eigen::Vector3f> positions_m;
   std::vector<Eigen::Vector3f> normals;
   std::vector<Eigen::Vector2f> uv;      ///< empty where there is no texture; v grows downwards
-  std::vector<std::uint32_t> indices;   ///< three a triangle, counter-clockwise seen from outside
+  std::vector<std::uint32_t> indices;   ///< three per triangle, counter-clockwise seen from outside
   Eigen::Vector3f base_color{1, 1, 1};  ///< linear, multiplies the texture
   int texture = -1;                     ///< index into Model::textures, -1 for none
   bool double_sided = false;
-  /// How it mirrors light (glTF's metallic-roughness); specular is the share of a dielectric's
-  /// 4 %: 0 is matte.
+  /// Reflection of light (glTF's metallic-roughness). `specular` is a share of a dielectric's 4 %;
+  /// 0 is matte.
   float metallic = 0, roughness = 1, specular = 0;
-  Eigen::Vector3f emission{0, 0, 0};  ///< linear, 0..1, multiplies its map
+  Eigen::Vector3f emission{0, 0, 0};  ///< linear, 0..1, multiplies emission_map
   /// Indices into Model::textures, -1 for none. The gloss map's bytes over 255 multiply roughness
   /// (green) and metallic (blue).
   int gloss_map = -1, normal_map = -1, emission_map = -1;
@@ -43,23 +43,25 @@ struct Model {
   std::vector<Image<Rgb8>> textures;  ///< sRGB, or numbers (gloss and normal maps)
 };
 
-/// Reads .gltf or .glb (which one, by content): meshes, node transforms, and of materials base
-/// colour, metallic-roughness, normal and emissive maps, KHR_materials_specular's and
-/// _emissive_strength's factors; a light of its own that is brighter than white is white.
+/// Reads .gltf or .glb (decided by content): meshes, node transforms, and from materials base
+/// colour, metallic-roughness, normal and emissive maps, and the factors of KHR_materials_specular
+/// and _emissive_strength; emission brighter than white is clamped to white.
 /// Errors: kNotFound, kFormat (missing buffer or picture, index out of range, no triangles).
 Result<Model> load_gltf(const std::filesystem::path& path);
 
-/// The box around all vertices, in the model's axes. Precondition: the model has a vertex.
+/// Bounding box of all vertices, in the model's axes. Precondition of bounds(): the model has a
+/// vertex.
 struct Bounds {
   Eigen::Vector3f min_m, max_m;
 };
 Bounds bounds(const Model& model);
 
-/// Of an object that falls, rolls and is pushed.
+/// Physics of an object that falls, rolls and is pushed.
 struct ObjectPhysics {
   double mass_kg = 1, bounce = 0.6, friction = 0.5, drag = 0.1;
-  bool is_ball = false;                   ///< instead of the convex hulls of its parts
-  Eigen::Vector3d velocity_m_s{0, 0, 0};  ///< at first, world
+  /// Its shape is a ball, not the convex hulls of its parts.
+  bool is_ball = false;
+  Eigen::Vector3d velocity_m_s{0, 0, 0};  ///< initial velocity, world
   bool operator==(const ObjectPhysics&) const = default;
 };
 
@@ -70,16 +72,17 @@ struct Object {
   geometry::Pose world_from_object;
   double scale = 1.0;
   bool casts_shadow = true;
-  bool hidden = false;                   ///< neither seen nor touched; never of a set
-  std::optional<ObjectPhysics> physics;  ///< none: it stands still; never of a set
+  bool hidden = false;                   ///< neither visible nor touchable; always false for a set
+  std::optional<ObjectPhysics> physics;  ///< absent: it stands still; always absent for a set
 };
 
 using geometry::Lamp;
 
 /// Light of the set. Each lamp has a name.
 struct Light : geometry::Light {
-  bool follow = false;      ///< lamps that are switched or dimmed while it runs
-  bool find_lamps = false;  ///< in the scanned room, when a session begins; then `lamps` is empty
+  bool follow = false;  ///< follow lamps that are switched or dimmed during a run
+  /// Find lamps in the scanned room when a session begins; then `lamps` is empty.
+  bool find_lamps = false;
 };
 
 enum class PoseSource {
@@ -94,43 +97,44 @@ enum class PoseSource {
   kFreeD,
   kOpenTrack
 };
-/// The word of scene.toml: "pan_tilt".
+/// Returns the word of scene.toml, such as "pan_tilt".
 const char* name(PoseSource source);
 
-/// What virtual objects do in a frame without a pose.
+/// Behaviour of virtual objects in a frame without a pose: drawn with the last pose, or hidden.
 enum class WhenLost { kFreeze, kHide };
 
 /// A motion capture that streams while the scene runs.
 struct MocapSettings {
   std::string server;                   ///< "HOST[:PORT][,GROUP[:PORT]]"
-  std::filesystem::path constellation;  ///< of the camera's body; empty: Motive's own bodies
+  std::filesystem::path constellation;  ///< file of the camera's body; empty: Motive's own bodies
   int body = 0;                         ///< number of the body; 0: the only one
-  bool y_up = true;                     ///< the stream's world; the scene's has z up
-  double delay_s = 0;                   ///< from the exposure of a frame to its earliest arrival
+  /// The stream's world has y up, else z; the scene's has z up.
+  bool y_up = true;
+  double delay_s = 0;  ///< from the exposure of a frame to its earliest arrival
   bool operator==(const MocapSettings&) const = default;
 };
 
 /// A camera tracker that sends FreeD or OpenTrackIO while the scene runs.
 struct TrackerStream {
-  std::string address;                ///< "[HOST:]PORT[,NUMBER]", of this machine or of a group
-  geometry::Pose world_from_tracker;  ///< both with z up
+  std::string address;                ///< "[HOST:]PORT[,NUMBER]"; HOST is this machine's or a group
+  geometry::Pose world_from_tracker;  ///< both worlds have z up
   double delay_s = 0;                 ///< from the exposure of a sample to its earliest arrival
-  double rate_hz = 0;                 ///< FreeD: of the sender
-  bool system_stamps = false;         ///< OpenTrackIO: stamps are of this machine's system clock
-  /// Standard deviations that the tracker's maker states; none: the poses have no covariance.
+  double rate_hz = 0;                 ///< FreeD: rate of the sender
+  bool system_stamps = false;         ///< OpenTrackIO: stamps use this machine's system clock
+  /// Standard deviations as the tracker's maker states them; absent: the poses have no covariance.
   std::optional<double> sigma_m, sigma_rad;
   bool operator==(const TrackerStream&) const = default;
 };
 
-/// How a tracker reaches the time of a plate from the pictures before it.
+/// How a tracker extrapolates from earlier pictures to the time of a plate.
 enum class Predict { kVelocity, kHead, kBoth };
 
-/// Where the camera's pose comes from. Each value belongs to one PoseSource.
+/// Settings of the camera's pose. Each value belongs to the PoseSource named beside it.
 struct CameraPoses {
   std::filesystem::path trajectory;      ///< kRecorded: a file; empty: the take's own poses
   double time_offset_s = 0;              ///< kRecorded: time of the take = time of the file + this
   geometry::Pose world_from_target;      ///< kFixed
-  geometry::Pose world_from_base;        ///< kPanTilt: the foot of the head
+  geometry::Pose world_from_base;        ///< kPanTilt: base of the pan-tilt unit
   MocapSettings mocap;                   ///< kMocap
   TrackerStream stream;                  ///< kFreeD, kOpenTrack
   Predict predict = Predict::kVelocity;  ///< kTracker
@@ -141,23 +145,24 @@ struct CameraPoses {
 };
 
 /// A box in world axes; real points outside it are cropped (Cortes Reina
-/// 2015, section 3.1 "Cropping"). Without a background it alone keys, and its bottom is the floor.
+/// 2015, section 3.1 "Cropping"). Without a background only the volume keys, and its bottom is the
+/// floor.
 struct CaptureVolume {
   Eigen::Vector3d min_m, max_m;
-  double floor_tolerance_m = 0.01;  ///< what is lower over the bottom is the floor
+  double floor_tolerance_m = 0.01;  ///< points lower than this above the bottom are floor
   bool operator==(const CaptureVolume&) const = default;
 };
 
 struct Background {
   std::optional<std::pair<int, int>> learn;    ///< first and last frame number, 1-based, inclusive
   std::optional<std::filesystem::path> model;  ///< folder written by `mixrig scan`
-  /// Of a scanned room; absent: where the head of pose = "pan_tilt" stands.
+  /// Pose of the scanned room; absent: that of the head of pose = "pan_tilt".
   std::optional<geometry::Pose> world_from_base;
-  bool open_walls = false;  ///< it does not hide virtual objects
+  bool open_walls = false;  ///< its walls do not hide virtual objects
   bool operator==(const Background&) const = default;
 };
 
-/// What is shown instead of the real background. Without model and picture: nothing.
+/// Set shown in place of the real background. Without model and picture it is empty.
 struct VirtualSet {
   std::optional<Object> model;
   std::filesystem::path picture_path;
@@ -165,28 +170,28 @@ struct VirtualSet {
 };
 
 struct KeySettings {
-  double threshold_m = 0.05;  ///< least depth step that is keyed
-  double noise_factor = 4.0;  ///< threshold in standard deviations of the depth noise
-  bool motion = true;         ///< people's depth is moved to the time of the plate
-  bool steady = true;         ///< the frame before joins where the plate stayed alike
+  double threshold_m = 0.05;  ///< smallest depth step that is keyed
+  double noise_factor = 4.0;  ///< threshold over the standard deviation of the depth noise
+  bool motion = true;         ///< move people's depth to the time of the plate
+  bool steady = true;         ///< use the last frame too where the plate did not change
 };
 
-/// What happens between people and objects is told.
+/// Outputs of events between people and objects.
 struct EventSettings {
-  std::string udp;      ///< "HOST:PORT" that gets each event as JSON; empty: none
-  std::string osc;      ///< "HOST:PORT" that gets each event as an OSC message; empty: none
-  bool people = false;  ///< both get the places of people in each frame too
+  std::string udp;      ///< "HOST:PORT" that receives each event as JSON; empty: none
+  std::string osc;      ///< "HOST:PORT" that receives each event as an OSC message; empty: none
+  bool people = false;  ///< also send the places of people in each frame
   bool operator==(const EventSettings&) const = default;
 };
 
-/// A program that gets the pose and lens of each picture.
+/// A program that receives the pose and lens of each picture.
 struct PoseOut {
   enum class Protocol : std::uint8_t { kFreeD, kOpenTrackJson, kOpenTrackCbor };
   Protocol protocol = Protocol::kFreeD;
   std::string udp;              ///< "HOST:PORT"
   int camera = 1;               ///< FreeD: 0 to 255; OpenTrackIO's source: 1 to 200
-  double sensor_width_mm = 36;  ///< that focal length and sensor of OpenTrackIO are told for
-  /// What sets the host's clock, as OpenTrackIO is told.
+  double sensor_width_mm = 36;  ///< for the focal length and sensor that OpenTrackIO states
+  /// What synchronizes the host's clock, as stated in OpenTrackIO.
   enum class ClockSource : std::uint8_t { kNotTold, kPtp, kNtp };
   ClockSource clock = ClockSource::kNotTold;
   bool operator==(const PoseOut&) const = default;
@@ -196,7 +201,7 @@ struct PoseOut {
 struct StreamOut {
   enum class Picture : std::uint8_t {
     kFill,     ///< the composite
-    kKey,      ///< what covers: of a set that is partly transparent its share, else people
+    kKey,      ///< coverage: that of the set if it is partly transparent, else of people
     kDepth,    ///< mixed depth, 16 bits of millimetres, 0 unknown
     kFillKey,  ///< composite and key side by side
     kAlpha,    ///< composite with the key as alpha
@@ -207,31 +212,33 @@ struct StreamOut {
   std::string uri;  ///< srt://, rtp://HOST:PORT, shm://PATH, v4l2://PATH, or .mkv, .mov, .mp4
   Picture picture = Picture::kFill;
   Codec codec = Codec::kAuto;
-  double eye_m = 0.065;           ///< stereo: between the two views
-  double screen_m = 3;            ///< stereo: distance that is seen on the screen
-  double most_disparity_pct = 3;  ///< stereo: of the width, before and behind the screen
-  double near_m = 1, far_m = 6;   ///< 2d+depth: nearness 255 and 0, linear in 1 / z
+  double eye_m = 0.065;  ///< stereo: distance between the two views
+  double screen_m = 3;   ///< stereo: distance that appears at the screen
+  /// Stereo: largest disparity, share of the width, before and behind the screen.
+  double most_disparity_pct = 3;
+  double near_m = 1, far_m = 6;  ///< 2d+depth: nearness 255 and 0, linear in 1 / z
   bool operator==(const StreamOut&) const = default;
 };
 
 /// Depth of field.
 struct FocusSettings {
-  double distance_m = 0;                     ///< of what is sharp; 0: by `pixel`
-  std::optional<std::pair<int, int>> pixel;  ///< of the view: what is seen there is sharp
-  double f_number = 2.8;                     ///< focal length over diameter of the aperture
-  double sensor_width_mm = 36;               ///< that the view's width is
-  double most_blur_pct = 4;                  ///< diameter, of the width
+  double distance_m = 0;  ///< distance in focus; 0: given by `pixel`
+  /// Pixel of the view: the surface seen there is in focus.
+  std::optional<std::pair<int, int>> pixel;
+  double f_number = 2.8;        ///< focal length over diameter of the aperture
+  double sensor_width_mm = 36;  ///< width of the view on the sensor
+  double most_blur_pct = 4;     ///< largest blur diameter, share of the width
 };
 
-/// What virtual objects take on of what the camera does to real things.
+/// Effects of the camera that are applied to virtual objects.
 struct LookSettings {
   bool grain = false;
   bool blur = false;
   bool chroma = false;
   bool sharpening = false;
   bool motion = false;
-  bool follow = true;      ///< measured again while a run goes on
-  double exposure_ms = 0;  ///< of the plates, for motion; 0: that of the source, where it is known
+  bool follow = true;      ///< measure the effects again during a run
+  double exposure_ms = 0;  ///< of the plates, for motion; 0: the source's, if known
   bool operator==(const LookSettings&) const = default;
 };
 

@@ -108,7 +108,7 @@ struct ObjectText {
   Block block;
 };
 
-/// Errors: kFormat, kUsage.
+/// Finds an object's lines. Errors: kFormat, kUsage.
 Result<ObjectText> find_object(std::string_view text, const std::filesystem::path& path,
                                const std::string& name) {
   ObjectText found;
@@ -202,7 +202,7 @@ Result<std::string> with_new_object(std::string_view text, const std::filesystem
 Result<std::string> without_object(std::string_view text, const std::filesystem::path& path,
                                    const std::string& name) {
   MIXRIG_ASSIGN(ObjectText object, find_object(text, path, name));
-  // Its inner tables go with it.
+  // The object's inner tables are removed with it.
   Block& block = object.block;
   while (block.end < object.lines.size()) {
     const std::string header = header_of(object.lines[block.end]);
@@ -211,7 +211,7 @@ Result<std::string> without_object(std::string_view text, const std::filesystem:
   }
   while (block.end > block.begin + 1 && block.end < object.lines.size() &&
          object.lines[block.end - 1].starts_with('#'))
-    --block.end;  // comments before the next table are its own
+    --block.end;  // comments before the next table belong to that table
   object.lines.erase(object.lines.begin() + static_cast<std::ptrdiff_t>(block.begin),
                      object.lines.begin() + static_cast<std::ptrdiff_t>(block.end));
   std::string edited = text_of_lines(object.lines);

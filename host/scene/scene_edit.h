@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Changes of a scene.toml that leave the rest of its text as it is.
+// Edits a scene.toml and leaves the rest of its text unchanged.
 #pragma once
 
 #include <filesystem>
@@ -13,34 +13,34 @@
 
 namespace mixrig::scene {
 
-/// The text with these lamps in place of its [[light.lamp]] tables, and with `ambient` in [light]
-/// where it is given. Comments within the lamps' tables go with them. `path` is where the scene
-/// lies. Errors: kFormat, where the text is no scene, or its light is not written in tables of its
-/// own; the text is checked by reading it again.
+/// Returns the text with these lamps in place of its [[light.lamp]] tables, and with `ambient` in
+/// [light] if it is given. Comments within the lamps' tables are removed too. `path` is the scene's
+/// path. Errors: kFormat if the text is no scene, or its light is not written in tables of its own;
+/// the result is checked by reading it again.
 Result<std::string> with_lamps(std::string_view text, const std::filesystem::path& path,
                                std::span<const Lamp> lamps,
                                const std::optional<Eigen::Vector3f>& ambient);
 
-/// The text with another pose of the object `name`. Errors: kFormat as above; kUsage where there is
-/// no such object, naming those that there are.
+/// Returns the text with another pose of the object `name`. Errors: kFormat if the text is no scene
+/// or cannot be edited; kUsage if there is no such object, naming the existing ones.
 Result<std::string> with_object_pose(std::string_view text, const std::filesystem::path& path,
                                      const std::string& name,
                                      const geometry::Pose& world_from_object);
 
-/// What of an object can be changed; absent: it stays.
+/// Changes of an object; absent values stay.
 struct ObjectEdit {
   std::optional<geometry::Pose> world_from_object;
   std::optional<double> scale;  ///< 1e-6 to 1e6
   std::optional<bool> hidden;
 };
-/// The text with an object changed. Errors: as with_object_pose().
+/// Returns the text with an object changed. Errors: those of with_object_pose().
 Result<std::string> with_object(std::string_view text, const std::filesystem::path& path,
                                 const std::string& name, const ObjectEdit& edit);
-/// The text with another [[object]] at its end: its name, model (a path as the file is to have it),
-/// pose and scale. Errors: kFormat; kUsage where the name is taken.
+/// Returns the text with a new [[object]] at its end: its name, model (path as written in the
+/// file), pose and scale. Errors: kFormat; kUsage if the name is taken.
 Result<std::string> with_new_object(std::string_view text, const std::filesystem::path& path,
                                     const Object& object);
-/// The text without an object. Errors: as with_object_pose().
+/// Returns the text without an object. Errors: those of with_object_pose().
 Result<std::string> without_object(std::string_view text, const std::filesystem::path& path,
                                    const std::string& name);
 

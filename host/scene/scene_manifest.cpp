@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading of scene.toml.
+// Reads scene.toml.
 #include "host/scene/scene_manifest.h"
 
 #include <charconv>
@@ -34,7 +34,7 @@ Eigen::Vector3d vector(const Table& table, const char* key) {
   return {v[0], v[1], v[2]};
 }
 
-/// Three numbers, or one for all three.
+/// Reads three numbers, or one for all three.
 Eigen::Vector3f color_or(const Table& table, const char* key, const Eigen::Vector3f& fallback) {
   if (!table.has(key)) return fallback;
   if (table.is_number(key))
@@ -54,7 +54,7 @@ Eigen::Quaterniond read_rotation(const Table& table) {
   return rotation.norm() > 0 ? rotation.normalized() : Eigen::Quaterniond::Identity();
 }
 
-/// Key model.
+/// Reads the key `model`.
 void read_model(const Table& table, const std::filesystem::path& folder, bool load_model,
                 Object& object) {
   object.model_path = config::path_at(table, "model", folder);
@@ -81,7 +81,7 @@ std::optional<ObjectPhysics> read_physics(const Table& table) {
   return physics;
 }
 
-/// "HOST:PORT", or empty where it is not given.
+/// Reads "HOST:PORT"; empty if the key is absent.
 std::string read_udp(const Table& table, const char* key) {
   const std::string udp = table.text_or(key, "");
   const std::size_t colon = udp.rfind(':');

@@ -10,7 +10,7 @@
 
 namespace mixrig::scene {
 
-/// Parses the text of a scene that lies at `path`. With `load_models` the models are read too.
+/// Parses the text of a scene whose path is `path`. With `load_models` the models are read too.
 /// Errors: kFormat (file:line: key ...).
 Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& path,
                           bool load_models);

@@ -14,7 +14,7 @@ using config::Lines;
 
 constexpr int kSettingDigits = 6;
 
-/// The lines of a table, which is added at the end where there is none.
+/// Returns the lines of a table, which is added at the end if it does not exist.
 Block table_of(Lines& lines, const std::string& header) {
   const auto blocks = config::blocks_of(lines, header);
   if (!blocks.empty()) return blocks.front();
@@ -80,7 +80,7 @@ Result<std::string> without_focus(std::string_view text, const std::filesystem::
     lines.erase(lines.begin() + static_cast<std::ptrdiff_t>(blocks.front().begin),
                 lines.begin() + static_cast<std::ptrdiff_t>(end));
   }
-  // Its rung is only where there is a focus.
+  // A quality level of the focus is only allowed with a focus.
   if (auto quality = config::blocks_of(lines, "[quality]"); !quality.empty())
     config::remove_line(lines, quality.front(), "focus");
   std::string edited = config::text_of_lines(lines);

@@ -46,7 +46,7 @@ class SimBoard {
   void block_interrupts(std::uint64_t duration_us) { blocked_until_us_ = time_us_ + duration_us; }
   /// The main loop hangs until hang_main_loop(false) or the watchdog's reset.
   void hang_main_loop(bool hang = true) { hung_ = hang; }
-  /// Stops the clock that the firmware reads; else a long loop of readings sees it advance.
+  /// Stops the clock that the firmware reads. Otherwise it advances during a long loop of readings.
   void stop_clock(bool stop) { clock_stopped_ = stop; }
   void reset(protocol::ResetCause cause);
 

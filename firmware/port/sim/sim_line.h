@@ -14,7 +14,8 @@ class SimLine {
  public:
   /// A pty whose slave name is linked at `path`. Empty on failure, with the reason in `error`.
   static std::optional<SimLine> open_pty(const std::string& path, std::string& error);
-  /// A listening socket at `path`; one client at a time. Errors as open_pty.
+  /// A listening socket at `path`; one client at a time. Empty on failure, with the reason in
+  /// `error`.
   static std::optional<SimLine> open_socket(const std::string& path, std::string& error);
   ~SimLine();
   SimLine(SimLine&& other) noexcept;

@@ -22,7 +22,7 @@ bool wait_for(Register& reg, std::uint32_t mask, std::uint32_t value) {
   return false;
 }
 
-/// RM0090 7.3.1, 7.3.2: input / M = 1 MHz, x 336 / 2 = 168 MHz, Q = 7 for 48 MHz.
+/// Starts the PLL. RM0090 7.3.1, 7.3.2: input / M = 1 MHz, x 336 / 2 = 168 MHz, Q = 7 for 48 MHz.
 bool start_pll(bool crystal) {
   Rcc& r = rcc();
   r.cr = r.cr & ~bit(24);

@@ -8,18 +8,18 @@
 
 namespace mixrig::stm32 {
 
-/// 168 MHz from the 8 MHz crystal, or from the internal oscillator where that does not start;
-/// every wait is bounded.
+/// Sets the core to 168 MHz from the 8 MHz crystal, or from the internal oscillator if the crystal
+/// does not start; every wait is bounded.
 protocol::ClockSource clocks_init();
-/// Clock of the APB timers (TIM2..5); TIM8 and the core run at twice that.
+/// Returns the clock of the APB timers (TIM2..5); TIM8 and the core run at twice that.
 std::uint32_t timer_hz();
 
 /// Starts TIM5 (microseconds), TIM2 (master tick) and the core's cycle counter.
 void time_init();
 
-/// How late the running tick interrupt is.
+/// Returns by how many ns the running tick interrupt is late.
 std::uint32_t tick_late_ns();
-/// For measuring short spans; see span_ns.
+/// Begins a measurement of a short time span; see span_ns.
 std::uint32_t span_begin();
 std::uint32_t span_ns(std::uint32_t begin);
 

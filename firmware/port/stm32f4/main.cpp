@@ -15,7 +15,8 @@ bool is_emulated;
 
 constexpr std::uint32_t kBaud = 115'200;
 
-/// PA9, PA10: the pins of the ROM bootloader, so that one cable serves both. 8 bits, no parity.
+/// Sets up the USART on PA9 and PA10, the pins of the ROM bootloader, so that one cable serves
+/// both. 8 bits, no parity.
 void uart_init() {
   gpioa().afrh = (gpioa().afrh & ~0xFF0u) | 0x770u;
   gpioa().moder = (gpioa().moder & ~(0xFu << 18)) | 0xAu << 18;
@@ -26,7 +27,8 @@ void uart_init() {
   nvic_iser(kIrqUsart1) = bit(kIrqUsart1 % 32);
 }
 
-/// RM0090 21.4: 32 kHz / 16, 1000 counts: 500 ms, 340 to 940 ms over the oscillator's spread.
+/// Starts the watchdog. RM0090 21.4: 32 kHz / 16, 1000 counts: 500 ms, 340 to 940 ms over the
+/// oscillator's spread.
 void watchdog_init() {
   iwdg().kr = 0x5555;
   iwdg().pr = 2;
@@ -34,7 +36,8 @@ void watchdog_init() {
   iwdg().kr = 0xCCCC;
 }
 
-/// RM0090 7.3.21; the pin flag is set by every reset, so it comes last.
+/// Reads the cause of the reset (RM0090 7.3.21). Every reset sets the pin flag, so it is checked
+/// last.
 protocol::ResetCause read_reset_cause() {
   const std::uint32_t csr = rcc().csr;
   rcc().csr = csr | bit(24);
@@ -54,7 +57,8 @@ void send_next_byte() {
   }
 }
 
-/// QEMU's USART never raises the interrupt for an empty transmitter; harmless on a real chip.
+/// Drains the transmitter by polling, since QEMU's USART never raises the interrupt for an empty
+/// transmitter; harmless on a real chip.
 void drain_transmitter() {
   const port::IrqLock lock;
   if ((usart1().cr1 & bit(7)) != 0 && (usart1().sr & bit(7)) != 0) send_next_byte();

@@ -18,17 +18,18 @@ constexpr std::uint32_t kSlotNs = protocol::kSlotUs * 1000;
 
 bool is_emulated;
 
-/// The emulated stream.
+/// State of the emulated slot stream.
 struct {
   const std::uint32_t* words;
   volatile bool running;
   std::uint32_t half;      // first word of the present tick
-  std::uint32_t position;  // next slot of it
+  std::uint32_t position;  // next slot of that half
   std::uint32_t tick_ns;
 } stream;
 
-/// RM0090 10.5.5: 32-bit, memory to peripheral, circular, very high priority, channel 7 of
-/// stream 1, which is TIM8's update (table 43). Only DMA 2 reaches the ports (figure 1).
+/// Starts the DMA (RM0090 10.5.5): 32-bit, memory to peripheral, circular, very high priority,
+/// channel 7 of stream 1, which is TIM8's update (table 43). Only DMA 2 reaches the ports (figure
+/// 1).
 void start_dma(const std::uint32_t* words) {
   DmaStream& s = dma2().stream[1];
   dma2().lifcr = 0x3Fu << 6;
@@ -39,8 +40,8 @@ void start_dma(const std::uint32_t* words) {
   s.cr = 7u << 25 | 3u << 16 | 2u << 13 | 2u << 11 | bit(10) | bit(8) | 1u << 6 | bit(0);
 }
 
-/// RM0090 17.4: trigger mode on ITR1, which for TIM8 is TIM2 (table 93). The counter starts one
-/// count before an update, so that slot 0 is output when the tick begins.
+/// Starts the slot timer in trigger mode on ITR1 (RM0090 17.4), which for TIM8 is TIM2 (table 93).
+/// The counter starts one count before an update, so that slot 0 is output when the tick begins.
 void start_slot_timer() {
   Timer& t = tim8();
   t.cr1 = 0;

@@ -11,9 +11,9 @@ void outputs_init();
 
 // QEMU has neither TIM8 nor DMA. There, TIM4's interrupt writes the same words, each at its slot.
 
-/// At the start of a master tick that was due at `tick_ns` of the emulated clock.
+/// Call it at the start of a master tick that was due at `tick_ns` on the emulated clock.
 void emulated_outputs_tick(std::uint32_t tick_ns);
-/// TIM4's interrupt.
+/// Handles TIM4's interrupt.
 void emulated_outputs_slot();
 
 }  // namespace mixrig::stm32

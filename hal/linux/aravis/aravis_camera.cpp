@@ -67,14 +67,14 @@ class AravisCamera final : public Camera {
   std::string id_;
   StreamRequest request_;
   const bool depth_;
-  AravisDepth described_;  ///< of a depth camera
+  AravisDepth described_;  ///< used by a depth camera only
   Clock& clock_;
   CameraInfo info_;
   std::uint32_t code_ = 0;
   Object<ArvCamera> camera_;
   Object<ArvStream> stream_;
   AravisChunks chunks_;
-  Object<ArvChunkParser> parser_;  ///< of chunks_; for the driver's thread
+  Object<ArvChunkParser> parser_;  ///< parses chunks_; for the driver's thread
   std::optional<FramePool> pool_;
   FrameSink sink_;
   std::atomic<bool> gone_ = false;
@@ -196,7 +196,7 @@ void AravisCamera::work() {
   }
 }
 
-/// The picture, or the maps of a depth frame; nothing where the buffer does not hold it.
+/// Copies the picture, or the maps of a depth frame; nothing if the buffer does not hold it.
 DepthUsed AravisCamera::copy(ArvBuffer* buffer, const FramePool::Draft& draft) const {
   std::size_t bytes = 0;
   if (!depth_) {

@@ -15,7 +15,7 @@ bool has_feature(ArvDevice* device, const char* name) {
   return arv_device_is_feature_available(device, name, fault) && !fault.any();
 }
 
-/// False where the camera has no such chunk, or does not let it be switched.
+/// Enables a chunk; false if the camera does not have it, or does not let it be switched.
 bool enable_chunk(ArvDevice* device, const char* chunk) {
   AravisFault fault;
   arv_device_set_string_feature_value(device, "ChunkSelector", chunk, fault);
@@ -61,7 +61,7 @@ void read_aravis_chunks(ArvChunkParser* parser, ArvBuffer* buffer, const AravisC
     if (!fault.any() && us > 0 && us < kMostExposure_us)
       frame.exposure = Duration(static_cast<std::int64_t>(us * 1e3));
   }
-  // Whole nanoseconds a tick, as PTP's, stay exact.
+  // Stamps in whole nanoseconds, such as PTP's, stay exact.
   const auto whole = static_cast<std::uint64_t>(ticks) & kMostAravisTime_ns;
   const std::uint64_t ns =
       chunks.ns_per_tick == 1

@@ -48,7 +48,7 @@ Error not_offered(const CameraInfo& info, PixelFormat format) {
                    ": see what it offers with arv-tool-0.8 values PixelFormat"};
 }
 
-/// The size and the format in force.
+/// Reads back the size and the format in force.
 Result<std::uint32_t> settle_format(ArvCamera* camera, const StreamRequest& request,
                                     CameraInfo& info) {
   AravisFault fault;
@@ -79,7 +79,7 @@ bool available(ArvDevice* device, const char* feature) {
   return arv_device_is_feature_available(device, feature, fault) && !fault.any();
 }
 
-/// False where the camera has no such component, or does not let it be switched.
+/// Switches a component; false if the camera does not have it, or does not let it be switched.
 bool set_component(ArvDevice* device, const char* component, bool on) {
   AravisFault fault;
   arv_device_set_string_feature_value(device, "ComponentSelector", component, fault);
@@ -88,8 +88,8 @@ bool set_component(ArvDevice* device, const char* component, bool on) {
   return !fault.any();
 }
 
-/// Range alone, or with Intensity and Confidence where buffers have several parts. Leaves Range
-/// selected.
+/// Selects the component Range, with Intensity and Confidence if buffers have several parts. Leaves
+/// Range selected.
 void choose_components(ArvCamera* camera) {
   ArvDevice* device = arv_camera_get_device(camera);
   if (!available(device, "ComponentSelector")) return;
@@ -111,7 +111,7 @@ void choose_components(ArvCamera* camera) {
   (void)set_component(device, "Range", true);
 }
 
-/// "Line0, Line1": what a feature can be set to.
+/// Returns the possible values of a feature, such as "Line0, Line1".
 std::string choices(ArvDevice* device, const char* feature) {
   AravisFault fault;
   guint count = 0;
@@ -169,7 +169,7 @@ Result<void> choose_aravis_trigger(ArvCamera* camera, const StreamRequest& reque
 
 namespace {
 
-/// "off", or the state of the first set of names that the camera has; empty where it has none.
+/// Returns "off", or the state by the first set of names that the camera has; empty if it has none.
 std::string ptp_state(ArvDevice* device) {
   struct Names {
     const char *enable, *latch, *status;
@@ -214,7 +214,8 @@ std::string word(ArvDevice* device, const char* feature) {
   return text != nullptr && !fault.any() ? text : "";
 }
 
-/// Metres of one unit of coordinates. Errors: kUnsupported for what is no length.
+/// Returns the metres of one unit of coordinates. Errors: kUnsupported for a unit that is no
+/// length.
 Result<double> coordinate_unit(ArvDevice* device, const std::string& uri) {
   const std::string mode = word(device, "Scan3dOutputMode"),
                     unit = word(device, "Scan3dDistanceUnit");
@@ -227,7 +228,7 @@ Result<double> coordinate_unit(ArvDevice* device, const std::string& uri) {
                uri + ": its Scan3dDistanceUnit is " + unit + ": set it to Millimeter"};
 }
 
-/// The value that means no measurement; none where the camera says that it has none.
+/// Returns the value that means no measurement; empty if the camera reports that it has none.
 std::optional<double> invalid_value(ArvDevice* device) {
   AravisFault fault;
   if (available(device, "Scan3dInvalidDataFlag") &&

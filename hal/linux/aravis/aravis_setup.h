@@ -28,7 +28,7 @@ class AravisFault {
   }
   bool any() const { return error_ != nullptr; }
   std::string text() const;
-  /// kDevice: "URI: WHAT: reason".
+  /// Returns a kDevice error with the line "URI: WHAT: reason".
   Error error(const std::string& uri, const std::string& what) const {
     return Error{ErrorCode::kDevice, uri + ": " + what + ": " + text()};
   }
@@ -43,23 +43,24 @@ class AravisFault {
 /// Errors: kUnsupported, kDevice.
 Result<std::uint32_t> choose_aravis_format(ArvCamera* camera, const StreamRequest& request,
                                            CameraInfo& info);
-/// The same for depth: switches the components on and takes the first Coord3D format that the
-/// camera accepts. Errors: kUnsupported, kDevice.
+/// Does what choose_aravis_format() does, for depth: switches the components on and takes the first
+/// Coord3D format that the camera accepts. Errors: kUnsupported, kDevice.
 Result<std::uint32_t> choose_aravis_depth(ArvCamera* camera, const StreamRequest& request,
                                           CameraInfo& info);
-/// Sets the trigger's line, or free running at the requested rate; fills rate and trigger of
+/// Sets the trigger's input line, or free running at the requested rate; fills rate and trigger of
 /// `info`. Errors: kDevice.
 Result<void> choose_aravis_trigger(ArvCamera* camera, const StreamRequest& request,
                                    CameraInfo& info);
-/// Model, serial number, controls and PTP.
+/// Fills model, serial number, controls and PTP state of `info`.
 void describe_aravis(ArvCamera* camera, CameraInfo& info);
-/// What the steps of a frame mean, and how floats become steps.
+/// Meaning of depth steps, and how floats become steps.
 struct AravisDepth {
   DepthInfo steps;
   FloatDepth floats;
 };
-/// Scale, offset, invalid value and intrinsics of pictures of that format (SFNC 2.7, 3D Scan
-/// Control). Errors: kDevice where the camera reports no scale, kUnsupported for what is no depth.
+/// Reads scale, offset, invalid value and intrinsics for pictures of format `code` (SFNC 2.7, 3D
+/// Scan Control). Errors: kDevice where the camera reports no scale, kUnsupported where the format
+/// is not depth.
 Result<AravisDepth> aravis_depth_info(ArvCamera* camera, const std::string& uri,
                                       std::uint32_t code);
 

@@ -99,7 +99,7 @@ class GpiodInput final : public TriggerInput {
   }
 
   Lines lines_;
-  GpioLinePtr line_;  ///< while it runs
+  GpioLinePtr line_;  ///< set while it runs
   std::string uri_;
   EdgeSink sink_;
   std::thread thread_;

@@ -11,11 +11,11 @@
 
 namespace mixrig::device {
 
-/// Rising edges with the kernel's CLOCK_MONOTONIC stamp. `line` is "gpiochip0/17" or a chip and a
-/// line's name. Errors: kUsage, kNotFound, kDevice.
+/// Opens a line whose rising edges carry the kernel's CLOCK_MONOTONIC stamp. `line` is
+/// "gpiochip0/17", or a chip and a line's name. Errors: kUsage, kNotFound, kDevice.
 Result<std::unique_ptr<TriggerInput>> open_gpiod_input(const std::string& line);
 
-/// A SoftwareTrigger on GPIO lines, for a rig without a trigger board. `lines` is
+/// Opens a SoftwareTrigger on GPIO lines, for a rig without a trigger board. `lines` is
 /// "gpiochip0/17,18,22": channels 0, 1, 2. Errors: kUsage, kNotFound, kDevice.
 Result<std::unique_ptr<TriggerMaster>> open_gpiod_trigger(const std::string& lines, Clock& clock);
 

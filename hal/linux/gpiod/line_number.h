@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to this module.
+// Parses the number of a GPIO line. Private to this module.
 #pragma once
 
 #include <charconv>
@@ -8,7 +8,7 @@
 
 namespace mixrig::device {
 
-/// The number that is all of `text`.
+/// Returns `text` as a number; empty if not all of it is one.
 inline std::optional<unsigned> line_number(const std::string& text) {
   unsigned number = 0;
   const auto [stop, fault] = std::from_chars(text.data(), text.data() + text.size(), number);

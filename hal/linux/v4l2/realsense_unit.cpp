@@ -14,7 +14,7 @@
 namespace mixrig::device {
 namespace {
 
-/// 0, or the errno.
+/// Transfers one message; returns 0 or the errno.
 int transfer(int node, std::uint8_t query, RealSenseMessage& message) {
   uvc_xu_control_query request{};
   request.unit = kRealSenseUnit;

@@ -10,8 +10,9 @@
 
 namespace mixrig::device {
 
-/// Of depth pictures of that size, from the node that sends them; it may be open elsewhere. Errors:
-/// kDevice where the node has no such extension unit; parse_realsense_calibration.
+/// Reads the intrinsics of depth pictures of `size` from `node`, which sends these pictures and may
+/// be open elsewhere. Errors: kDevice where the node has no such extension unit; those of
+/// parse_realsense_calibration().
 Result<DeviceIntrinsics> realsense_intrinsics(const std::string& node, Size size);
 
 }  // namespace mixrig::device

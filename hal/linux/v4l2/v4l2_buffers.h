@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The buffers of one V4L2 stream, mapped, and exported as DMABUFs where the driver does that.
+// The mapped buffers of one V4L2 stream, exported as DMABUFs where the driver allows it.
 #pragma once
 
 #include <array>
@@ -16,9 +16,9 @@
 
 namespace mixrig::device {
 
-/// Belongs to the node and to the frames that are lent from it: mappings end, and descriptors are
-/// closed, with the last of them; a mapping outlives its node and the device. add() and export_as()
-/// are for the thread that starts the stream, the others for any.
+/// Buffers that a node and the frames lent from it own together. Mappings end and descriptors are
+/// closed with the last owner; a mapping outlives its node and the device. The thread that starts
+/// the stream calls add() and export_as(); any thread may call the others.
 class V4l2Buffers {
  public:
   struct Mapping {
@@ -32,38 +32,40 @@ class V4l2Buffers {
   V4l2Buffers(const V4l2Buffers&) = delete;
   V4l2Buffers& operator=(const V4l2Buffers&) = delete;
 
-  /// A further buffer without planes.
+  /// Adds a buffer without planes.
   Planes& add();
-  /// Takes the descriptor that the first plane of the last buffer was exported as.
+  /// Takes ownership of the descriptor that the first plane of the last buffer was exported as.
   void export_as(int fd) { fds_.back() = fd; }
   std::size_t count() const { return planes_.size(); }
   const Planes& planes(std::uint32_t index) const { return planes_[index]; }
-  /// Of a picture that begins so many bytes into its buffer; none where that is not exported.
+  /// Returns the shared memory of a picture that begins `offset_bytes` into its buffer; empty if
+  /// the buffer is not exported.
   DmaBuf memory(std::uint32_t index, std::size_t offset_bytes) const;
 
-  /// Lends a buffer that the driver has filled, unless fewer than `kept` would stay with the
-  /// driver.
+  /// Lends a buffer that the driver has filled. Returns false if fewer than `kept` buffers would
+  /// stay with the driver.
   bool lend(std::uint32_t index, std::size_t kept);
-  /// From the last user of a lent one.
+  /// Returns a lent buffer; its last user calls it.
   void give_back(std::uint32_t index);
-  /// Appends those that were given back since the last call to `indices`, which has room for all.
+  /// Appends the buffers returned since the last call to `indices`, whose capacity must suffice for
+  /// all buffers.
   void collect(std::vector<std::uint32_t>& indices);
 
  private:
   const std::uint64_t set_;  ///< DmaBuf::set
   std::vector<Planes> planes_;
   std::vector<int> fds_;
-  std::mutex mutex_;  ///< guards what follows
+  std::mutex mutex_;  ///< guards lent_ and returned_
   std::size_t lent_ = 0;
   std::vector<std::uint32_t> returned_;
 };
 
-/// A frame whose bytes lie in such a buffer; for a Pool.
+/// A frame whose bytes lie in a lent buffer; for a Pool.
 struct LentPicture {
   Frame frame{};
   std::shared_ptr<V4l2Buffers> buffers{};
   std::uint32_t index = 0;
-  /// The last user is done.
+  /// Returns the buffer; Pool calls it when the last user drops the frame.
   void recycle();
 };
 

@@ -10,7 +10,8 @@ namespace {
 constexpr int kCameraBuffers = 10;
 constexpr Duration kWait = std::chrono::milliseconds(100);
 
-/// Pictures whose bytes are those of the driver's buffer, and that are not files.
+/// Whether a picture's bytes can stay in the driver's buffer: it is no file, and its frames have
+/// the same bytes.
 bool lends_format(const V4l2Layout& layout) {
   return layout.planes == 1 && layout.packed.packing == SamplePacking::kNone &&
          layout.format != PixelFormat::kMjpeg;
@@ -85,7 +86,7 @@ void V4l2Camera::work() {
   }
 }
 
-/// Whether the buffer of the picture is lent now.
+/// Makes a frame of a picture; returns whether the picture's buffer is lent now.
 bool V4l2Camera::take(const V4l2Picture& picture) {
   Frame frame{.format = layout_.format,
               .size = layout_.size,
@@ -113,7 +114,7 @@ bool V4l2Camera::take(const V4l2Picture& picture) {
   return false;
 }
 
-/// In the kernel's buffer; null where that is not lent.
+/// Returns a frame in the kernel's buffer; null if that cannot be lent.
 FramePtr V4l2Camera::lent(const V4l2Picture& picture, const Frame& frame) {
   if (!request_.lends || !lends_format(layout_) || frame.flags & kFrameIncomplete) return nullptr;
   const std::shared_ptr<LentPicture> out = lent_.take();

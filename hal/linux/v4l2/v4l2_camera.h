@@ -17,15 +17,14 @@
 
 namespace mixrig::device {
 
-/// Pictures are copied out of the kernel's buffers, so that a slow consumer does not block the
-/// kernel's queue. With StreamRequest::lends, frames of one plane of 8-bit samples lie in these
-/// buffers instead, as DMABUFs, while enough stay with the kernel; a buffer is queued again when
-/// its frame is dropped. All frames stay valid after the camera was unplugged. When the node
-/// disappears,
-/// the driver looks for it four times a second and restores its settings.
+/// Copies pictures out of the kernel's buffers, so that a slow consumer does not block the kernel's
+/// queue. With StreamRequest::lends, frames of one plane of 8-bit samples lie in these buffers
+/// instead, as DMABUFs, while enough stay with the kernel; a buffer is queued again when its frame
+/// is dropped. All frames stay valid after the camera was unplugged. When the node disappears, the
+/// driver looks for it four times a second and restores its settings.
 class V4l2Camera final : public Camera {
  public:
-  /// Errors: as V4l2Node::open and choose_mode.
+  /// Errors: those of V4l2Node::open and choose_mode.
   static Result<std::unique_ptr<V4l2Camera>> open(const std::string& path,
                                                   const StreamRequest& request, Clock& clock);
   ~V4l2Camera() override { stop(); }

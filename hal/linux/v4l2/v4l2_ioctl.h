@@ -11,7 +11,8 @@
 
 namespace mixrig::device {
 
-inline constexpr std::uint32_t kMostV4l2Entries = 256;  // of any table that a driver enumerates
+// Limit of entries read from a table that a driver enumerates.
+inline constexpr std::uint32_t kMostV4l2Entries = 256;
 
 inline int ioctl_again(int fd, unsigned long request, void* argument) {
   int result = 0;
@@ -21,7 +22,7 @@ inline int ioctl_again(int fd, unsigned long request, void* argument) {
   return result;
 }
 
-/// A name in a field of fixed length, with or without a terminating zero.
+/// Returns the text of a field of fixed length, with or without a terminating zero.
 template <std::size_t N>
 std::string v4l2_text(const unsigned char (&bytes)[N]) {
   const auto* begin = reinterpret_cast<const char*>(bytes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a V4L2 node offers, and the mode that is set.
+// Reads the modes that a V4L2 node offers, and sets one.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -58,8 +58,8 @@ Result<V4l2Layout> layout_of(const v4l2_pix_format_mplane& pix, ColorEncoding& c
                         std::span<const V4l2Plane>(planes).first(count));
 }
 
-/// idVendor or idProduct of the USB device behind a node, hexadecimal in sysfs; 0 where there is
-/// none.
+/// Returns idVendor or idProduct of the USB device behind a node, hexadecimal in sysfs; 0 if there
+/// is none.
 std::uint16_t usb_number(const std::string& path, const char* key) {
   namespace fs = std::filesystem;
   std::error_code ignored;

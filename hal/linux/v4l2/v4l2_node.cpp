@@ -18,12 +18,12 @@ namespace mixrig::device {
 namespace {
 
 constexpr std::uint32_t kNodeBuffers = 4;
-// What waits for the compositor, is composited, and is shown: eight frames at most.
+// Frames that wait for the compositor, are composited, or are shown: eight at most.
 constexpr std::uint32_t kLentBuffers = 8;
 
 }  // namespace
 
-/// A v4l2_buffer with room for its planes.
+/// A v4l2_buffer with its planes.
 struct V4l2Node::Query {
   Query(const V4l2Node& node, std::uint32_t index) {
     buffer.index = index;
@@ -93,7 +93,7 @@ Result<void> V4l2Node::start_streaming(bool lends) {
   return {};
 }
 
-/// Maps every plane of a buffer, exports it where that is wanted, and queues it.
+/// Maps every plane of a buffer, exports it if `exports` is set, and queues it.
 Result<void> V4l2Node::map_buffer(std::uint32_t index, bool exports) {
   Query query(*this, index);
   if (ioctl_again(fd_, VIDIOC_QUERYBUF, &query.buffer) < 0) return failed("querying a buffer");
@@ -110,7 +110,7 @@ Result<void> V4l2Node::map_buffer(std::uint32_t index, bool exports) {
   return queue(index);
 }
 
-/// A driver that does not (ENOTTY, EINVAL) has its pictures copied.
+/// Exports a buffer. If the driver cannot (ENOTTY, EINVAL), its pictures are copied.
 void V4l2Node::export_buffer(std::uint32_t index) {
   v4l2_exportbuffer exported{};
   exported.type = type_;

@@ -19,21 +19,21 @@
 
 namespace mixrig::device {
 
-/// One filled buffer; its bytes are valid until give_back().
+/// A buffer that the driver filled; its bytes are valid until give_back().
 struct V4l2Picture {
-  V4l2Bytes bytes{};  ///< of each plane
-  std::size_t begin = 0;  ///< of the first plane's bytes in its buffer
+  V4l2Bytes bytes{};      ///< bytes of each plane
+  std::size_t begin = 0;  ///< offset of the first plane's bytes in its buffer
   std::uint32_t index = 0, sequence = 0;
-  HostTime stamp{};             ///< CLOCK_MONOTONIC as the driver stamped it
-  bool stamp_valid = false;     ///< the stamp is of CLOCK_MONOTONIC
-  bool stamp_is_start = false;  ///< of the start of exposure, else of the end of the transfer
+  HostTime stamp{};             ///< the driver's stamp
+  bool stamp_valid = false;     ///< the stamp is on CLOCK_MONOTONIC
+  bool stamp_is_start = false;  ///< stamps the start of exposure, else the end of the transfer
   bool error = false;
 };
 
-/// The driver fills one while another is read and a third waits.
+/// Buffers that must stay with the driver: one is filled, one read, a third waits.
 inline constexpr std::size_t kKeptBuffers = 3;
 
-/// Of single-planar and multi-planar nodes; a node that is both is used as single-planar. For one
+/// A single-planar or multi-planar node; a node that is both is used as single-planar. For one
 /// thread.
 class V4l2Node {
  public:
@@ -42,19 +42,20 @@ class V4l2Node {
   V4l2Node& operator=(V4l2Node&& other) noexcept;
   ~V4l2Node() { close(); }
 
-  /// Errors: kNotFound, kDevice (no capture node), kIo.
+  /// Opens the node at `path`. Errors: kNotFound, kDevice (no capture node), kIo.
   static Result<V4l2Node> open(const std::string& path);
   /// Selects and sets a mode; fills model, size, format, rate and controls of `info`.
   Result<V4l2Layout> configure(const StreamRequest& request, CameraInfo& info);
-  /// `lends`: with more buffers, exported as DMABUFs; without these where the driver refuses.
+  /// Starts the stream. With `lends` it uses more buffers, exported as DMABUFs, unless the driver
+  /// refuses.
   Result<void> start_streaming(bool lends = false);
   /// Waits for a picture; empty after `timeout`. Errors: kDevice when the node is gone.
   Result<std::optional<V4l2Picture>> next(Duration timeout);
   Result<void> give_back(const V4l2Picture& picture) { return queue(picture.index); }
-  /// Lends out the buffer of a picture in place of give_back(), until LentPicture::recycle(); false
-  /// where it is not exported, or the driver would be left with fewer than kKeptBuffers.
+  /// Lends the buffer of a picture, in place of give_back(), until LentPicture::recycle(). Returns
+  /// false if it is not exported or the driver would be left with fewer than kKeptBuffers.
   bool lend(const V4l2Picture& picture, LentPicture& into);
-  /// Gives the driver the buffers that are lent no longer. Errors: kDevice when the node is gone.
+  /// Queues the buffers that users have returned. Errors: kDevice when the node is gone.
   Result<void> give_back_lent();
 
   Result<void> set(CameraControl control, double value);
@@ -79,7 +80,7 @@ class V4l2Node {
 
   int fd_ = -1;
   std::string path_;
-  std::uint32_t type_ = 0;  ///< of its buffers
+  std::uint32_t type_ = 0;  ///< type of its buffers
   std::size_t planes_ = 1;
   std::shared_ptr<V4l2Buffers> buffers_;  ///< null while nothing streams
   std::vector<std::uint32_t> returned_;

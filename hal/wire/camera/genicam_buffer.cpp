@@ -17,7 +17,7 @@ struct Code {
   SamplePacking packing = SamplePacking::kNone;
   int bits = 8;
 };
-// Of one format the preferred code first. Names: Mono10 and BayerRG10 are words, the p formats are
+// The preferred code of a format comes first. Mono10 and BayerRG10 are words, the p formats are
 // streams of bits, lowest first.
 constexpr auto kCodes = std::to_array<Code>({
     {pfnc::kRgb8, PixelFormat::kRgb8},
@@ -51,12 +51,13 @@ constexpr auto kCodes = std::to_array<Code>({
     {0x0110000F, PixelFormat::kBayerBggr16, SamplePacking::kWords, 10},
 });
 
-/// Where a Coord3D format has its samples. The preferred first: with an amplitude.
+/// Position of the samples in a Coord3D format. The preferred formats, those with an amplitude,
+/// come first.
 struct Coord3d {
   std::uint32_t code;
   std::size_t pixel_bytes, c_at;
   bool is_float = false;
-  std::size_t y_at = 0;  ///< of the intensity; 0: none
+  std::size_t y_at = 0;  ///< position of the intensity; 0: none
 };
 constexpr auto kCoord3d = std::to_array<Coord3d>({
     {pfnc::kCoord3dAbcy16, 8, 4, false, 6},
@@ -96,7 +97,7 @@ void copy_words(const std::uint8_t* in, std::size_t pixel_bytes, std::size_t cou
     out[0] = in[0], out[1] = in[1];
 }
 
-/// Samples of 8 or 16 bits as 16-bit ones; how many bytes.
+/// Copies samples of 8 or 16 bits as 16-bit ones; returns the number of bytes.
 std::size_t copy_map(const GenicamPart& part, Size size, int bits, std::span<std::uint8_t> out) {
   const std::size_t count = size.area(), bytes = static_cast<std::size_t>(bits) / 8;
   if (part.size != size || part.data.size() < bytes * count || out.size() < 2 * count) return 0;

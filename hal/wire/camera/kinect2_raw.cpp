@@ -13,7 +13,8 @@ constexpr std::size_t kOffsetsHeader = 32;
 constexpr std::size_t kOffsetsTable = 2 * (std::size_t{512} * 424 + 2);
 constexpr std::size_t kInfraredBytes = 92;
 
-/// What a sample of 11 bits says: sign, exponent of three bits, mantissa of seven.
+/// Makes the table of sample values: 11 bits are a sign, an exponent of three bits and a mantissa
+/// of seven.
 constexpr std::array<std::int16_t, 2048> make_samples() {
   std::array<std::int16_t, 2048> table{};
   for (int code = 0; code < 1024; ++code) {

@@ -36,7 +36,8 @@ void unpack_mipi(const std::uint8_t* in, int bits, int width, SampleWriter out) 
               ((static_cast<unsigned>(in[group]) >> (i * low)) & ((1U << low) - 1)));
 }
 
-/// The bits of a sample lie in at most three bytes; none beyond its last one is read.
+/// Unpacks a stream of bits. The bits of a sample lie in at most three bytes; none beyond its last
+/// one is read.
 void unpack_bits(const std::uint8_t* in, int bits, bool big, int width, SampleWriter out) {
   const auto row_bytes = (static_cast<std::size_t>(width) * static_cast<std::size_t>(bits) + 7) / 8;
   const unsigned mask = (1U << bits) - 1;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Grey and Bayer samples of 10 to 16 bits as cameras pack them: pure and bounded.
+// Unpacks grey and Bayer samples of 10 to 16 bits as cameras pack them. Pure functions that never
+// read past a buffer.
 #pragma once
 
 #include <cstddef>
@@ -21,16 +22,17 @@ enum class SamplePacking {
 
 struct PackedSamples {
   SamplePacking packing = SamplePacking::kNone;
-  int bits = 16;  ///< of a sample: 10, 12, 14 or 16; of kMipi 10 or 12
+  int bits = 16;  ///< bits per sample: 10, 12, 14 or 16; with kMipi 10 or 12
   Size size;
-  std::size_t stride_bytes = 0;  ///< from row to row
+  std::size_t stride_bytes = 0;  ///< bytes from row to row
 };
 
-/// Bytes of one row; 0 for kNone and bits that the packing does not have.
+/// Returns the bytes of one row; 0 for kNone and for numbers of bits that the packing does not
+/// have.
 std::size_t packed_row_bytes(SamplePacking packing, int bits, int width);
 
 /// Unpacks into little-endian 16-bit samples without padding whose full scale is 65535: the upper
-/// bits of a sample are repeated below it. False where `in` or `out` is too small.
+/// bits of a sample are repeated below it. Returns false if `in` or `out` is too small.
 bool unpack_samples(const PackedSamples& layout, std::span<const std::uint8_t> in,
                     std::span<std::uint8_t> out);
 

@@ -15,8 +15,10 @@ namespace {
 constexpr std::uint16_t kMonitorMagic = 0xCDAB;
 constexpr std::uint32_t kGetCalibration = 0x15, kCoefficientsTable = 25;
 constexpr std::size_t kOpcodeBytes = 4, kHeaderBytes = 16;
-constexpr std::size_t kLengthAt = kRealSenseMonitorBytes - 4;  // of what follows the opcode
-// In the table: two matrices of the cameras, two rotations, baseline, model, 88 reserved bytes.
+// Position of the field with the length of the answer after its opcode.
+constexpr std::size_t kLengthAt = kRealSenseMonitorBytes - 4;
+// Before the rectified sizes the table has two matrices of the cameras, two rotations, baseline,
+// model and 88 reserved bytes.
 constexpr std::size_t kRectifiedAt = 4 * 9 * 4 + 4 + 4 + 88, kRectifiedBytes = 16;
 constexpr auto kRectifiedSizes = std::to_array<Size>({{1920, 1080},
                                                       {1280, 720},
@@ -45,7 +47,7 @@ Error bad_table(const std::string& what) {
                "the calibration table of the camera " + what + ": plug the camera in again"};
 }
 
-/// The table's bytes after its header.
+/// Returns the table's bytes after its header.
 Result<std::span<const std::uint8_t>> checked_table(std::span<const std::uint8_t> answer) {
   if (answer.size() != kRealSenseMonitorBytes) return bad_table("is not 1024 bytes long");
   if (word_at(answer, 0) != kGetCalibration)
@@ -67,7 +69,7 @@ Result<std::span<const std::uint8_t>> checked_table(std::span<const std::uint8_t
 
 RealSenseMessage realsense_calibration_request() {
   RealSenseMessage request{};
-  constexpr std::uint16_t kBytes = 20;  // of opcode and four parameters
+  constexpr std::uint16_t kBytes = 20;  // bytes of opcode and four parameters
   request[0] = kBytes;
   request[2] = kMonitorMagic & 0xFF;
   request[3] = kMonitorMagic >> 8;

@@ -14,20 +14,21 @@
 
 namespace mixrig::device {
 
-/// Requests and answers fill the control of the extension unit.
+/// Size of a request and of an answer: they fill the control of the extension unit.
 inline constexpr std::size_t kRealSenseMonitorBytes = 1024;
 inline constexpr std::uint8_t kRealSenseUnit = 3, kRealSenseMonitor = 1;  ///< unit, selector
 using RealSenseMessage = std::array<std::uint8_t, kRealSenseMonitorBytes>;
 
-/// Asks for the table of coefficients of the rectified depth pictures.
+/// Returns the request for the table of coefficients of the rectified depth pictures.
 RealSenseMessage realsense_calibration_request();
-/// Focal length (of x; that of y is the same to within the rectification) and centre of depth
-/// pictures of that size; pixel (0, 0) is the centre of the first one, there is no distortion.
-/// Errors: kData for an answer that is short, of something else, or damaged (its CRC-32);
-/// kUnsupported for a size that the table does not have.
+/// Reads focal length and centre of depth pictures of `size` from an answer; pixel (0, 0) is the
+/// centre of the first one, there is no distortion. The focal length is that of x; that of y equals
+/// it to within the rectification. Errors: kData for an answer that is short, damaged (CRC-32) or
+/// to another request; kUnsupported for a size that the table does not have.
 Result<DeviceIntrinsics> parse_realsense_calibration(std::span<const std::uint8_t> answer,
                                                      Size size);
-/// A D400 camera by its USB id: one whose Z16 has a known unit, but the L515.
+/// Whether the USB ids are those of a D400 camera, but not of the L515: a camera with a known unit
+/// of Z16.
 bool is_realsense_d400(std::uint16_t usb_vendor, std::uint16_t usb_product);
 
 }  // namespace mixrig::device

@@ -42,13 +42,13 @@ struct TofPacket {
   std::uint64_t time_us = 0;
 };
 
-/// CRC-32 of IEEE 802.3, by zlib.
+/// Returns the CRC-32 of IEEE 802.3, by zlib.
 std::uint32_t tof_crc32(std::span<const std::uint8_t> bytes);
-/// Errors: kDevice; the line says what is wrong.
+/// Parses a camera's description. Errors: kDevice; the line says what is wrong.
 Result<TofDescription> parse_tof_description(std::span<const std::uint8_t> bytes);
-/// The header at the start of `bytes`; empty unless all of it is valid.
+/// Parses the header at the start of `bytes`; empty unless all of it is valid.
 std::optional<TofPacket> parse_tof_header(std::span<const std::uint8_t> bytes, Size size);
-/// The inverse of the parsers, for emulators.
+/// Pack a description or a header; the inverse of the parsers, for emulators.
 std::array<std::uint8_t, kTofDescriptionBytes> pack_tof_description(
     const TofDescription& description);
 std::array<std::uint8_t, kTofHeaderBytes> pack_tof_header(const TofPacket& packet);
@@ -63,7 +63,8 @@ class TofUsbDecoder {
   /// Drops the incomplete frame and buffered bytes: the device starts again.
   void restart();
 
-  /// frames, lost, incomplete, overrun, link_errors; the rest belongs to the driver.
+  /// Health of the stream: fills frames, lost, incomplete, overrun and link_errors; the driver
+  /// fills the others.
   const StreamHealth& health() const { return health_; }
   const DepthHealth& depth_health() const { return depth_health_; }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What V4L2 drivers tell of colours, and the unit of Z16 by product.
+// Colorimetry that V4L2 drivers report, and the unit of Z16 by product.
 #include "hal/wire/camera/v4l2_format.h"
 
 namespace mixrig::device {
@@ -35,7 +35,7 @@ constexpr std::uint32_t kFullRange = 1, kLimitedRange = 2;
 
 std::uint32_t default_transfer(std::uint32_t colorspace) {
   switch (colorspace) {
-    case 0:  // tells nothing
+    case 0:  // not reported
     case kSpaceSrgb:
     case kSpaceJpeg:
       return kTransferSrgb;

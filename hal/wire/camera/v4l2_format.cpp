@@ -10,7 +10,7 @@ namespace {
 struct Known {
   std::uint32_t code;
   PixelFormat format;
-  int rank;  ///< lower is taken first where the request leaves the format open
+  int rank;  ///< lower ranks come first if the request leaves the format open
   SamplePacking packing = SamplePacking::kNone;
   int bits = 8;
   std::size_t planes = 1;
@@ -92,7 +92,8 @@ std::optional<Size> size_of(const V4l2Mode& mode, Size wanted) {
 }
 
 struct Score {
-  bool rate = false, moderate = false;  ///< keeps the requested rate; at most kLargestDefault
+  /// It keeps the requested rate; its size is at most kLargestDefault.
+  bool rate = false, moderate = false;
   int rank = 0;
   std::size_t area = 0;
   bool better_than(const Score& other) const {
@@ -148,7 +149,7 @@ namespace {
 /// Bytes of a row of one plane as the driver stores it.
 std::size_t plane_row_bytes(const Known& known, Size size) {
   if (known.packing != kNone) return packed_row_bytes(known.packing, known.bits, size.width);
-  const int pairs = known.format == PixelFormat::kNv12 ? size.width % 2 : 0;  // of chroma
+  const int pairs = known.format == PixelFormat::kNv12 ? size.width % 2 : 0;  // bytes of chroma
   return row_bytes(known.format, known.planes == 2 ? size.width + pairs : size.width);
 }
 

@@ -43,7 +43,8 @@ bool take(std::string_view& text, std::string_view what) {
   return true;
 }
 
-/// "04*016Kg": count, size, unit, rights a..g as bits read, erase, write.
+/// Parses a group of sectors, "04*016Kg": count, size, unit, and rights a..g as bits read, erase,
+/// write.
 bool take_sectors(std::string_view& text, std::uint32_t& address,
                   std::vector<FlashSector>& sectors) {
   std::uint32_t count = 0, size = 0;
@@ -99,7 +100,7 @@ Result<Dfuse::Status> Dfuse::get_status() {
                 std::min<Duration>(std::chrono::milliseconds(poll_ms), kLongestPoll)};
 }
 
-/// Leaves whatever state an aborted transfer may have left.
+/// Leaves the state that an aborted transfer may have left.
 Result<void> Dfuse::become_idle() {
   for (int i = 0; i < 4; ++i) {
     MIXRIG_ASSIGN(const Status status, get_status());

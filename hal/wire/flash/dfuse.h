@@ -11,13 +11,13 @@
 
 namespace mixrig::device {
 
-/// Sectors of a DfuSe memory layout, "@NAME/0xADDRESS/COUNT*SIZEtype,...": those that may be read,
-/// erased and written. Empty where the text is no such layout or lists more than 1024 sectors.
+/// Returns the sectors of a DfuSe memory layout, "@NAME/0xADDRESS/COUNT*SIZEtype,...", that may be
+/// read, erased and written. Empty if the text is no such layout or lists more than 1024 sectors.
 std::vector<FlashSector> parse_memory_layout(std::string_view text);
 
 class Dfuse final : public Bootloader {
  public:
-  /// Both must outlive it.
+  /// `usb` and `clock` must outlive it.
   Dfuse(UsbControl& usb, Clock& clock) : usb_(usb), clock_(clock) {}
 
   Result<BootloaderInfo> connect() override;

@@ -17,7 +17,7 @@ struct FirmwareImage {
   protocol::ImageHeader header;
 };
 
-/// What an image must match besides its checksum.
+/// Rules for an image, besides its checksum.
 struct ImageRules {
   bool this_protocol = true;  ///< its message table must be this host's
 };
@@ -27,14 +27,14 @@ Result<FirmwareImage> check_image(std::vector<std::uint8_t> bytes, const std::st
                                   ImageRules rules = {});
 /// Reads and checks a file of at most protocol::kMaxImage bytes. Errors: kNotFound, kIo, kFormat.
 Result<FirmwareImage> load_image(const std::string& path, ImageRules rules = {});
-/// Whether this would boot: a mixrig image with a valid checksum, or another program with a vector
-/// table. What an interrupted flashing leaves behind is neither.
+/// Whether `flash` would boot: it holds a mixrig image with a valid checksum, or another program
+/// with a vector table. The remains of an interrupted flashing are neither.
 bool worth_keeping(std::span<const std::uint8_t> flash);
 /// Reads a whole file of any content, at most protocol::kMaxImage bytes.
 Result<std::vector<std::uint8_t>> read_image_file(const std::string& path);
 /// Writes the whole file or nothing (write_file); makes the folder where it is missing.
 Result<void> write_image_file(const std::string& path, std::span<const std::uint8_t> bytes);
-/// "0.1.0"
+/// Returns the version as text, such as "0.1.0".
 std::string version_text(const protocol::ImageHeader& header);
 
 }  // namespace mixrig::device

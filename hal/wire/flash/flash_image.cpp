@@ -22,7 +22,8 @@ namespace {
 
 constexpr std::size_t kLongestPiece = 256, kShortestPiece = 16;
 constexpr int kReadTries = 32;
-/// The bootloader's checksum is one byte: damaged data may pass it and be written.
+/// Rounds of writing and verifying. The bootloader's checksum is one byte: damaged data may pass it
+/// and be written.
 constexpr int kRounds = 4;
 /// Requests to running firmware to start the bootloader.
 constexpr int kEntryTries = 8;

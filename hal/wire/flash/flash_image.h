@@ -14,13 +14,13 @@
 
 namespace mixrig::device {
 
-/// Called during the work: name of the step, bytes done, bytes in total.
+/// Callback for progress: name of the step, bytes done, bytes in total.
 using FlashProgress = std::function<void(const char* what, std::size_t done, std::size_t total)>;
 
-/// Content of flash before.
+/// Content of flash before it is overwritten.
 struct PreviousFlash {
   bool blank = false;
-  /// The old image, or all bytes of the sectors where it is not a mixrig image.
+  /// The old image; all bytes of the sectors if it is not a mixrig image.
   std::vector<std::uint8_t> bytes;
 };
 
@@ -30,7 +30,7 @@ Result<PreviousFlash> read_previous(Bootloader& bootloader, const BootloaderInfo
 
 /// Erases, writes all but the vector table, reads it back, then writes the vector table, with stack
 /// pointer and entry point last, and reads that back.
-/// After a failure in between the board does not boot and can be flashed again.
+/// If it fails midway the board does not boot and can be flashed again.
 Result<void> write_flash(Bootloader& bootloader, const BootloaderInfo& info,
                          std::span<const std::uint8_t> bytes, const FlashProgress& progress);
 

@@ -34,7 +34,7 @@ constexpr Duration kQuiet = milliseconds(20);   // longer than a USB adapter buf
 constexpr std::size_t kBlock = Stm32Rom::kLongestBlock;
 constexpr std::size_t kShortestBlock = 16;
 constexpr int kGrowAfter = 8;
-constexpr std::size_t kLongestList = 2u * 0x10000;  // of sectors, to be erased
+constexpr std::size_t kLongestList = 2u * 0x10000;  // bytes of the longest list of sectors to erase
 constexpr int kConnectTries = 15;  // 3 s: firmware may just be starting the bootloader
 constexpr int kTries = 32;         // with 1 % of bytes damaged, 2/3 of the shortest blocks pass
 
@@ -50,7 +50,7 @@ Error refused(const std::string& what) {
   return Error{ErrorCode::kDevice, "bootloader refused to " + what};
 }
 
-/// RM0090 table 5: 4 x 16, 64, 7 x 128 KiB.
+/// Returns the sectors by RM0090 table 5: 4 x 16, 64, 7 x 128 KiB.
 std::vector<FlashSector> f405_sectors() {
   std::vector<FlashSector> sectors;
   std::uint32_t address = 0x08000000;
@@ -182,8 +182,8 @@ Result<bool> Stm32Rom::fill_until_refused(std::size_t bursts, std::size_t size) 
   return false;
 }
 
-/// After a refusal the bootloader waits for a command; otherwise it may still wait for the rest of
-/// one.
+/// Makes the bootloader wait for a command: it does so after a refusal; otherwise it may still wait
+/// for the rest of one.
 Result<void> Stm32Rom::resynchronize(std::size_t longest) {
   discard_input();
   MIXRIG_ASSIGN(bool refused, fill_until_refused(kLongestCommand, 1));
@@ -196,8 +196,8 @@ Result<void> Stm32Rom::resynchronize(std::size_t longest) {
   return Error{ErrorCode::kTimeout, "bootloader does not answer any more: power or cable lost?"};
 }
 
-/// Long blocks are fast; short ones pass a noisy line more often. On a noisy line a damaged long
-/// block also passes the one-byte checksum more often.
+/// Adapts the block size. Long blocks are fast; short ones pass a noisy line more often. On a noisy
+/// line a damaged long block also passes the one-byte checksum more often.
 void Stm32Rom::adapt_block(bool passed) {
   passed_in_a_row_ = passed ? passed_in_a_row_ + 1 : 0;
   if (!passed) block_ = std::max(block_ / 2, kShortestBlock);

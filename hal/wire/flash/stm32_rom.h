@@ -11,22 +11,24 @@
 
 namespace mixrig::device {
 
-/// Commands that fail are repeated, with shorter blocks, and counted.
+/// Repeats commands that fail, with shorter blocks, and counts the repeats.
 class Stm32Rom final : public Bootloader {
  public:
   static constexpr std::size_t kLongestBlock = 256;
 
-  /// Both must outlive it. connect() sets the line to even parity (ptys have no parity).
+  /// `stream` and `clock` must outlive it. connect() sets the line to even parity (ptys have no
+  /// parity).
   Stm32Rom(ByteStream& stream, Clock& clock) : stream_(stream), clock_(clock) {}
 
   Result<BootloaderInfo> connect() override;
   Result<void> read(std::uint32_t address, std::span<std::uint8_t> out) override;
   Result<void> erase(const FlashSector& sector) override;
   Result<void> write(std::uint32_t address, std::span<const std::uint8_t> data) override;
-  /// No answer after the command counts as started: check that the started program answers.
+  /// Starts the program. A missing answer to the command counts as success: check that the program
+  /// answers.
   Result<void> go(std::uint32_t address) override;
 
-  /// Whether a bootloader answers to one 0x7F. Call it first: to running firmware that is one bad
+  /// Whether a bootloader answers to one 0x7F. Call it first: running firmware takes it as one bad
   /// byte, while any other byte would disturb the bootloader's baud rate detection.
   Result<bool> answers();
   int repeats() const { return repeats_; }
@@ -44,7 +46,8 @@ class Stm32Rom final : public Bootloader {
   Result<void> write_block(std::uint32_t address, Bytes data);
   Result<void> erase_sector(int sector);
   Result<std::uint16_t> read_chip_id();
-  /// `longest`: how many bytes the bootloader may still wait for after a failure.
+  /// Repeats a failed operation. `longest` is the number of bytes that the bootloader may still
+  /// wait for after a failure.
   Result<void> repeat(const std::function<Result<void>()>& operation,
                       std::size_t longest = kLongestCommand);
   Result<bool> fill_until_refused(std::size_t bursts, std::size_t size);

@@ -16,8 +16,8 @@ constexpr Duration kAnswer = std::chrono::seconds(1);
 constexpr Duration kSlowAnswer = std::chrono::seconds(10);
 constexpr Duration kPtuQuiet = std::chrono::milliseconds(60);
 constexpr Duration kLeastSamplePeriod = std::chrono::milliseconds(2);
-constexpr int kPtuTries = 4;    // of an exchange without an answer
-constexpr int kQueryTries = 8;  // of a query until its answer is valid
+constexpr int kPtuTries = 4;    // tries of an exchange without an answer
+constexpr int kQueryTries = 8;  // tries of a query until its answer is valid
 constexpr double kRadPerArcsecond = std::numbers::pi / (180.0 * 3600.0);
 
 std::string axis_command(char axis, char what, long value) {
@@ -39,8 +39,9 @@ Result<std::unique_ptr<FlirPtu>> FlirPtu::open(std::unique_ptr<ByteStream> strea
   return unit;
 }
 
-/// No echo, verbose replies, independent axes, immediate moves. The first command is repeated where
-/// it is refused: a cable that was unplugged has left half a command in the unit, or an answer.
+/// Sets the protocol: no echo, verbose replies, independent axes, immediate moves. The first
+/// command is repeated if it is refused: an unplugged cable may have left half a command in the
+/// unit, or an answer.
 Result<void> FlirPtu::set_up_protocol() {
   MIXRIG_ASSIGN(const PtuReply first, exchange("ED ", kAnswer));
   if (!first.ok) {
@@ -162,7 +163,8 @@ Result<PtuReply> FlirPtu::exchange_once(std::string_view text, Duration timeout)
   return reply;
 }
 
-/// The line is back. The unit may have lost power, and with it the settings of the protocol.
+/// Sets up the protocol after the line is back. The unit may have lost power, and with it its
+/// settings.
 Result<void> FlirPtu::set_up_again() {
   stale_ = true;
   lost_ = false;
@@ -190,16 +192,17 @@ Result<PtuReply> FlirPtu::send_and_read(std::string_view text, Duration timeout)
   return no_answer(text);
 }
 
-/// When the unit had read the question that was just answered: its bytes are on the line before,
-/// those of the answer after it, and what the line does not explain is shared alike. An answer that
-/// names its axis has ten times as many bytes as the question: the middle of the exchange would be
-/// 15 ms late at 9600 baud.
+/// Estimates when the unit had read the answered question: the question's bytes are on the line
+/// before, the answer's after it, and the remaining time is split evenly. An answer that names its
+/// axis has ten times as many bytes as the question: the middle of the exchange would be 15 ms late
+/// at 9600 baud.
 HostTime FlirPtu::heard_at(std::size_t question_bytes) const {
   const Duration passed = clock_.now() - asked_at_;
   const auto question = static_cast<Duration::rep>(question_bytes);
   const auto bytes = question + static_cast<Duration::rep>(answer_bytes_);
   const Duration line = byte_time_ * bytes;
-  if (line > passed) return asked_at_ + passed * question / bytes;  // faster than its rate says
+  // The exchange was faster than the stated rate.
+  if (line > passed) return asked_at_ + passed * question / bytes;
   return asked_at_ + byte_time_ * question + (passed - line) / 2;
 }
 

@@ -14,15 +14,15 @@
 
 namespace mixrig::device {
 
-/// Queries resolution and range from the unit; never sends a reset, which would move the head.
-/// Verbose replies are switched on because they name their axis, so that a late answer is not taken
-/// as that of another query. An exchange without an answer, or with an invalid or interrupted one,
-/// is repeated: position queries and absolute moves are idempotent. Positions are asked for as
-/// often as the line and the unit answer, at most 500 times a second.
+/// A pan-tilt unit. Queries resolution and range from the unit; never sends a reset, which would
+/// move the head. It switches verbose replies on: they name their axis, so that a late answer is
+/// not taken for the answer to another query. An exchange without an answer, or with an invalid or
+/// interrupted one, is repeated: position queries and absolute moves are idempotent. Positions are
+/// queried as fast as the line and the unit answer, at most 500 times a second.
 class FlirPtu final : public PanTilt {
  public:
-  /// `uri` stands in error lines; `byte_time` is that of the line, 10 bits at its rate, 0 where it
-  /// has none. Errors: kTimeout, kDevice.
+  /// Opens the unit. `uri` is for error lines. `byte_time` is the time of a byte on the line (10
+  /// bits at its rate), 0 if it has no rate. Errors: kTimeout, kDevice.
   static Result<std::unique_ptr<FlirPtu>> open(std::unique_ptr<ByteStream> stream, Clock& clock,
                                                std::string uri, Duration byte_time = {});
 
@@ -56,9 +56,9 @@ class FlirPtu final : public PanTilt {
   PtuReplyParser parser_;
   PanTiltHealth health_;
   std::uint64_t limits_at_move_ = 0;
-  HostTime sampled_at_{};             ///< when a position was asked for last
-  HostTime asked_at_{}, heard_at_{};  ///< of the last answered exchange
-  std::size_t answer_bytes_ = 0;      ///< since it was asked
+  HostTime sampled_at_{};             ///< when a position was last queried
+  HostTime asked_at_{}, heard_at_{};  ///< times of the last answered exchange
+  std::size_t answer_bytes_ = 0;      ///< bytes received since asked_at_
   bool stale_ = true;                 ///< bytes of an earlier exchange may still arrive
   bool lost_ = false;  ///< the line failed: set up the protocol again when it is back
 };

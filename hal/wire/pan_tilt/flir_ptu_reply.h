@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Replies of FLIR / Directed Perception pan-tilt units (ASCII protocol): pure, bounded parsing.
+// Replies of FLIR / Directed Perception pan-tilt units (ASCII protocol), parsed by pure functions.
 #pragma once
 
 #include <array>
@@ -50,10 +50,10 @@ class PtuReplyParser {
   std::uint64_t pan_limits_ = 0, tilt_limits_ = 0, noise_ = 0;
 };
 
-/// The only number in a reply's text, e.g. "Current Pan position is -12"; empty when there is none,
-/// more than one, or a malformed one.
+/// Returns the only number in a reply's text, e.g. "Current Pan position is -12"; empty when there
+/// is none, more than one, or a malformed one.
 std::optional<double> ptu_number(std::string_view text);
-/// The axis that a verbose reply names; kNone in terse mode.
+/// Returns the axis that a verbose reply names; kNone in terse mode.
 PtuAxis ptu_axis(std::string_view text);
 
 }  // namespace mixrig::device

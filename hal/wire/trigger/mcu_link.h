@@ -16,7 +16,7 @@
 
 namespace mixrig::device {
 
-/// When the answered request was sent, and when its answer was received.
+/// Times at which the answered request was sent and its answer received.
 struct RoundTrip {
   HostTime sent{}, received{};
 };
@@ -32,27 +32,29 @@ struct McuLinkHealth {
       0;  ///< reports missing according to their sequence numbers (mod 256)
 };
 
-/// Commands are idempotent, so that resending is always safe. For one thread.
+/// A link to the trigger controller. Commands are idempotent, so that resending is always safe. For
+/// one thread.
 class McuLink {
  public:
   struct RetryPolicy {
     Duration per_try = std::chrono::milliseconds(100);
     int tries = 20;
   };
-  /// A reply: verdict, body after it, times. Or kTimeout.
+  /// A reply: verdict, body after it, and its times.
   struct Reply {
     protocol::Verdict verdict = protocol::Verdict::kOk;
     std::span<const std::uint8_t> body;
     RoundTrip times;
   };
   using Done = std::function<void(const Result<Reply>&)>;
-  /// Telemetry: type and body of a valid frame.
+  /// Receives telemetry: type and body of a valid frame.
   using Telemetry = std::function<void(std::uint8_t type, std::span<const std::uint8_t> body)>;
 
-  /// Stream and clock must outlive it; `name` is the stream's, for error lines.
+  /// Stream and clock must outlive it; `name` names the stream in error lines.
   McuLink(ByteStream& stream, Clock& clock, std::string name);
 
-  /// Queues a command; `done` is called from a later pump(). Errors: kIo when kQueue are waiting.
+  /// Queues a command; a later pump() calls `done` with the reply or kTimeout. Errors: kIo if
+  /// kQueue commands wait.
   template <typename M>
   Result<void> post(const M& message, Done done, RetryPolicy how_long) {
     Command command{M::kId, {}, protocol::wire_size<M>(), M::kName, std::move(done), how_long};
@@ -93,7 +95,7 @@ class McuLink {
     int tries = 0;
     std::uint8_t first_sequence = 0;
     std::array<HostTime, kMaxTries>
-        sent{};  ///< of each try: an answer's sequence number gives its try
+        sent{};  ///< time of each try; an answer's sequence number gives its try
   };
 
   Result<void> push(Command command);
@@ -116,7 +118,7 @@ class McuLink {
   McuLinkHealth health_;
 };
 
-/// Text for a verdict: what the controller's refusal means and what to do.
+/// Returns what the controller's refusal means and what to do, for users.
 const char* meaning(protocol::Verdict verdict);
 
 template <typename M>

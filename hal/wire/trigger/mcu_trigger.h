@@ -38,14 +38,15 @@ const char* self_test_text(protocol::SelfTestBit bit);
 class McuTrigger final : public TriggerMaster {
  public:
   /// Sends Hello to the controller; fails for another message table and for a damaged image.
-  /// `clock` must outlive it. `name` is the stream's, for error lines.
+  /// `clock` must outlive it. `name` names the stream in error lines.
   static Result<std::unique_ptr<McuTrigger>> open(std::unique_ptr<ByteStream> stream, Clock& clock,
                                                   const std::string& name,
                                                   McuLink::RetryPolicy hello_retry = {
                                                       std::chrono::milliseconds(100), 30});
 
   const TriggerInfo& info() const override { return info_; }
-  /// After a reset of the controller: sends Hello again, counts `controller_reset`, and continues.
+  /// Reads the status. After a reset of the controller it sends Hello again and counts
+  /// `controller_reset`.
   Result<TriggerStatus> status() override;
   Result<void> configure(int channel, const TriggerChannel& settings) override;
   Result<void> start() override;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A trigger master without a trigger board: a thread switches lines as punctually as the scheduler
+// A trigger master without a trigger board: a thread switches lines as exactly as the scheduler
 // allows.
 #pragma once
 
@@ -28,24 +28,24 @@ class SoftwareSchedule {
     HostTime at{};
     int channel = -1;  ///< -1: the master tick itself
     bool active = false;
-    std::uint64_t tick = 0;  ///< valid for the master
+    std::uint64_t tick = 0;  ///< valid for a master tick
   };
   /// `settings` must have passed check_channel().
   void configure(int channel, const TriggerChannel& settings);
   const TriggerChannel& channel(int index) const {
     return channels_[static_cast<std::size_t>(index)];
   }
-  /// Tick 0 is at `begin`.
+  /// Starts the schedule with tick 0 at `begin`.
   void start(HostTime begin);
   /// Returns the next edge and advances the schedule past it.
   Edge next();
-  /// Lines whose pulse begins in tick `tick`.
+  /// Returns the mask of lines whose pulse begins in tick `tick`.
   std::uint32_t fired(std::uint64_t tick) const;
 
  private:
   struct Line {
     HostTime at{};
-    bool active = false;  ///< what the edge at `at` switches to
+    bool active = false;  ///< state after the edge at `at`
   };
   std::array<TriggerChannel, kSoftwareChannels> channels_{};
   std::array<Line, kSoftwareChannels> lines_{};
@@ -53,17 +53,17 @@ class SoftwareSchedule {
   std::uint64_t tick_ = 0;
 };
 
-/// Lines that software drives. For one thread at a time.
+/// Output lines that software drives. For one thread at a time.
 class LineOutputs {
  public:
   virtual ~LineOutputs() = default;
   virtual int count() const = 0;
-  /// The first call for a line makes it an output. Errors: kDevice.
+  /// Sets the level of a line. The first call for a line makes it an output. Errors: kDevice.
   virtual Result<void> drive(int line, bool high) = 0;
 };
 
-/// `late_max` of its status is the jitter: check whether it is small enough. Its clock is the
-/// host's.
+/// A TriggerMaster on output lines, with the host's clock. `late_max` of its status is the jitter:
+/// check whether it is small enough.
 class SoftwareTrigger final : public TriggerMaster {
  public:
   /// Uses the first kSoftwareChannels of `lines`. `clock` must outlive it.

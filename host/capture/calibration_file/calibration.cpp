@@ -44,7 +44,7 @@ const CalibratedPose* Calibration::pose(std::string_view name) const { return na
 void merge(Calibration& into, const Calibration& newer) {
   const std::vector<CalibratedCamera> before = into.cameras;
   merge_named(into.cameras, newer.cameras);
-  // A calibration at one setting sees neither how dark the corners are nor other settings.
+  // A calibration at one lens setting knows neither the vignetting nor the other settings.
   for (CalibratedCamera& camera : into.cameras) {
     const auto* old = named(before, camera.name);
     if (old && camera.vignetting.is_none()) camera.vignetting = old->vignetting;

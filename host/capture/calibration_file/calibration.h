@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// calibration.toml: the one file that every calibration writes, and that run, scan and track read.
+// calibration.toml: every calibration writes it, and run, scan and track read it.
 // docs/reference/calibration_file.md shows it.
 #pragma once
 
@@ -20,7 +20,7 @@
 
 namespace mixrig::calibration_file {
 
-/// Where an entry came from.
+/// Origin of an entry: date, program and input.
 struct Origin {
   std::string date;          ///< when it was made, ISO 8601 in UTC
   std::string tool_version;  ///< e.g. "mixrig 0.1.0"
@@ -36,15 +36,15 @@ struct CalibratedCamera {
   double residual_px = 0;      ///< root mean square distance of observed to projected points
   int views = 0, points = 0;   ///< number of views and points in residual_px
   Origin origin;
-  geometry::Vignetting vignetting{};  ///< of pinholes; none where it was not measured
-  /// Of a pinhole whose lens zooms or focuses: the lens by what its encoders say. `model` is the
-  /// setting at which the poses of the rig were calibrated.
+  geometry::Vignetting vignetting{};  ///< pinholes only; none if it was not measured
+  /// Lens by its encoders, for a pinhole whose lens zooms or focuses. `model` is the setting at
+  /// which the poses of the rig were calibrated.
   std::optional<geometry::LensTable> lens{};
 };
 
 /// Pose of a camera (or of the head, or of a tracked body) in the target camera.
 struct CalibratedPose {
-  std::string name;  ///< of the frame: tof, fisheye, head
+  std::string name;  ///< name of the frame: tof, fisheye, head
   geometry::Pose target_from;
   Eigen::MatrixXd covariance;  ///< 6 x 6 in the parameters of estimation::pose_error (rotation,
                                ///< rad, then translation, m); 0 x 0 where unknown
@@ -54,20 +54,21 @@ struct CalibratedPose {
 };
 
 /// Systematic error of a ToF camera along the ray, measured minus true: a natural cubic spline over
-/// the measured distance, beyond its ends what it is there, plus terms of amplitude and place.
+/// the measured distance, constant beyond its ends, plus terms of amplitude and of the place in the
+/// picture.
 struct DepthError {
   std::string camera = "tof";
   std::vector<double> knots_m;  ///< growing, two or more
   std::vector<double> error_m;  ///< at the knots
-  double amplitude_m = 0;       ///< adds amplitude_m / amplitude, in the unit of the camera
-  /// Factors of u, v, u^2, u v, v^2, where u and v run from -1 to 1 over the picture, metres.
+  double amplitude_m = 0;       ///< adds amplitude_m / amplitude, amplitude in the camera's unit
+  /// Coefficients of u, v, u^2, u v, v^2, metres; u and v run from -1 to 1 over the picture.
   std::array<double, 5> place_m{};
   Eigen::MatrixXd covariance;  ///< of error_m, amplitude_m, place_m; 0 x 0 where unknown
   double residual_m = 0;       ///< root mean square after correction
   Origin origin;
 
-  /// Error at a measured distance; `amplitude` <= 0 leaves its term out; `px` in a picture of
-  /// `size`.
+  /// Returns the error at a measured distance. `amplitude` <= 0 leaves its term out; `px` lies in a
+  /// picture of `size`.
   double at(double distance_m, double amplitude, const Eigen::Vector2d& px, Size size) const;
 };
 
@@ -78,7 +79,7 @@ struct PanTilt {
     Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< unit, in base axes
     Eigen::Vector3d point_m = Eigen::Vector3d::Zero();     ///< on the axis, in base axes
     double scale = 1, offset_rad = 0;
-    double step_rad = 0;  ///< of the encoder, which rounds to it; 0 where it is not known
+    double step_rad = 0;  ///< the encoder rounds to steps of this; 0: unknown
   };
   Axis pan, tilt;
   geometry::Pose head_from_target;  ///< the tool centre point is its translation
@@ -93,31 +94,33 @@ struct Calibration {
   std::vector<CalibratedCamera> cameras;
   std::vector<CalibratedPose> poses;
   std::optional<DepthError> depth_error;
-  std::optional<DepthError> depth_error2;  ///< of a second depth camera, `tof2`
+  std::optional<DepthError> depth_error2;  ///< error of a second depth camera, `tof2`
   std::optional<PanTilt> pan_tilt;
 
-  /// The entry of that name; nullptr where there is none.
+  /// Returns the entry of that name; nullptr if there is none.
   const CalibratedCamera* camera(std::string_view name) const;
   const CalibratedPose* pose(std::string_view name) const;
 };
 
-/// Entries of `newer` replace those of the same name, the others stay. A camera without vignetting
-/// or lens table keeps the one that was known.
+/// Replaces entries by those of `newer` with the same name; the others stay. A camera without
+/// vignetting or lens table keeps the old one.
 void merge(Calibration& into, const Calibration& newer);
 
-/// Cameras and poses come in alphabetical order. Errors: kNotFound, kFormat (file:line: key ...).
+/// Reads a calibration file; cameras and poses are in alphabetical order. Errors: kNotFound,
+/// kFormat (file:line: key ...).
 Result<Calibration> read_calibration(const std::filesystem::path& path);
-/// The same from text; `name` stands for the file. Pure: fuzzers call it.
+/// Parses a calibration; `name` stands for the file. Pure: fuzzers call it.
 Result<Calibration> parse_calibration(std::string_view text, const std::string& name);
 
-/// As TOML; parse_calibration reads back the same bits.
+/// Returns the calibration as TOML, from which parse_calibration() reads back the same bits.
 std::string calibration_text(const Calibration& calibration);
 /// Writes a whole file or leaves what was there. Errors: kIo.
 Result<void> write_calibration(const std::filesystem::path& path, const Calibration& calibration);
-/// Merges `newer` into what the file holds, if it exists, and writes it. Errors: those of both.
+/// Merges `newer` into the file, or creates it. Errors: those of read_calibration() and
+/// write_calibration().
 Result<void> update_calibration(const std::filesystem::path& path, const Calibration& newer);
 
-/// FNV-1a of the bytes of files, in the order in which they are added.
+/// FNV-1a hash of the bytes of files, in the order in which they are added.
 class InputHash {
  public:
   /// Errors: kNotFound where the file cannot be read.
@@ -128,7 +131,7 @@ class InputHash {
  private:
   std::uint64_t state_ = 0xcbf29ce484222325;
 };
-/// Now, this tool and the hash.
+/// Returns an Origin with the present time, this tool and the hash.
 Origin origin_now(const InputHash& hash);
 
 }  // namespace mixrig::calibration_file

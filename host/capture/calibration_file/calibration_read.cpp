@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// calibration.toml to Calibration.
+// Reads calibration.toml.
 #include <algorithm>
 #include <cmath>
 
@@ -72,7 +72,7 @@ PanTilt parse_pan_tilt(const Table& table) {
   return unit;
 }
 
-/// True for the calibration.yaml of earlier versions.
+/// Whether the text is the calibration.yaml of earlier versions.
 bool is_yaml(std::string_view text) {
   return text.starts_with("format:") || text.find("\nformat:") != std::string_view::npos;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calibration to calibration.toml.
+// Writes calibration.toml.
 #include "host/capture/calibration_file/calibration.h"
 #include "host/capture/calibration_file/tables.h"
 

@@ -7,12 +7,12 @@
 namespace mixrig::calibration_file {
 namespace {
 
-/// One candidate that is given.
+/// A given candidate.
 struct Given {
   CalibrationOrigin origin;
   std::filesystem::path file;
   std::string where, why;
-  std::string unused;  ///< what is said of it where another one is chosen
+  std::string unused;  ///< text about it if another one is chosen
 };
 
 void add_file(std::vector<Given>& given, const std::filesystem::path& file, const std::string& by) {

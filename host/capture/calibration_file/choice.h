@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which calibration counts where several are given.
+// Chooses the calibration if several are given.
 #pragma once
 
 #include <filesystem>
@@ -8,15 +8,17 @@
 
 namespace mixrig::calibration_file {
 
-/// What a run has to choose from, highest precedence first. An empty path: not given.
+/// Calibrations that a run can choose from, highest precedence first. An empty path: not given.
 struct CalibrationCandidates {
   std::filesystem::path option;  ///< --calibration
   std::filesystem::path scene;   ///< `calibration` of scene.toml
   std::filesystem::path source;  ///< `calibration` of take.toml or rig.toml
-  /// Tables of take.toml or rig.toml that say how its cameras see: "target", "target_from_tof", ...
+  /// Tables of take.toml or rig.toml that hold its cameras and their poses: "target",
+  /// "target_from_tof", ...
   std::vector<std::string> inline_tables{};
   bool reported = false;  ///< the devices, or the recording that they play, report intrinsics
-  std::filesystem::path scene_file = "scene.toml", source_file = "take.toml";  ///< for the texts
+  /// Names for `where` and `why`.
+  std::filesystem::path scene_file = "scene.toml", source_file = "take.toml";
 };
 
 enum class CalibrationOrigin { kFile, kInlineTables, kDevices, kGuess };

@@ -27,8 +27,8 @@ std::vector<double> curvatures(const std::vector<double>& x, const std::vector<d
 double spline(const std::vector<double>& x, const std::vector<double>& y, double at) {
   if (x.empty()) return 0;
   if (x.size() == 1) return y.front();
-  // Beyond the ends nothing was measured. The error of a ToF camera swings about its mean, so what
-  // it is at the end is nearer to it than a line that goes on.
+  // Nothing was measured beyond the ends. The error of a ToF camera oscillates about its mean, so
+  // its value at the end is closer to it than an extrapolated line.
   if (at <= x.front()) return y.front();
   if (at >= x.back()) return y.back();
   const auto m = curvatures(x, y);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading of a camera file of any known kind.
+// Reads a camera file of any known kind.
 #include "host/capture/calibration_file/exchange.h"
 
 #include "host/capture/calibration_file/calibration.h"

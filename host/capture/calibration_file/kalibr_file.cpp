@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kalibr's camchain YAML: cam0, cam1, ...; T_cn_cnm1 takes points of the camera before.
+// Kalibr's camchain YAML: cam0, cam1, ...; T_cn_cnm1 takes points of the previous camera.
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
@@ -44,7 +44,7 @@ geometry::Pose read_step(const YamlTable& table) {
   return {};
 }
 
-/// `before`: camera_from_reference of the camera before, null for the first.
+/// Emits one camera. `before`: camera_from_reference of the previous camera, null for the first.
 Result<void> emit(YAML::Emitter& out, const ForeignCamera& camera, const geometry::Pose* before) {
   const Eigen::VectorXd v = geometry::parameters_of(camera.model);
   const bool fisheye = geometry::kind_of(camera.model) == geometry::LensKind::kFisheye;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kPrefix = "LENSMODEL_";
 
-/// The dictionary without its b'...' of base85, which holds braces.
+/// Removes b'...' of base85, which holds braces, from the dictionary.
 std::string without_packed(const std::string& text) {
   const auto key = text.find("'optimization_inputs'");
   if (key == std::string::npos) return text;
@@ -29,7 +29,7 @@ geometry::Pose pose_of(const std::vector<double>& rt) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis)), {rt[3], rt[4], rt[5]}};
 }
 
-/// Distortion coefficients of a model: 0, 4, 5 or 8; nullopt for others.
+/// Returns the number of distortion coefficients of a model: 0, 4, 5 or 8; nullopt for others.
 std::optional<int> lens_terms(const std::string& model) {
   if (model == "LENSMODEL_PINHOLE") return 0;
   if (model == "LENSMODEL_OPENCV4") return 4;

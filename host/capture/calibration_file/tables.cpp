@@ -37,7 +37,7 @@ Eigen::VectorXd parse_parameters(const Table& table, LensKind kind) {
   return values;
 }
 
-/// Of a fisheye; the rim of its image circle.
+/// Reads the largest angle of a fisheye, at the rim of its image circle.
 std::optional<double> parse_max_angle(const Table& table, LensKind kind) {
   if (!table.has("max_angle_rad")) return std::nullopt;
   const double angle = table.number("max_angle_rad", kMaxAngle_rad);
@@ -51,7 +51,7 @@ Eigen::Matrix3d parse_rotation(const Table& table) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
 }
 
-/// The four numbers are x, y, z, w.
+/// Reads a quaternion as four numbers x, y, z, w.
 Eigen::Quaterniond parse_quaternion(const Table& table) {
   const auto q = table.numbers("rotation_xyzw", 4, 4, {-2, 2});
   if (table.has("rotation"))

@@ -17,35 +17,37 @@ namespace mixrig::calibration_file {
 
 /// Reads model, size_px, fx, fy, cx, cy, distortion and the optional max_angle_rad (fisheye),
 /// vignetting, lens, covariance, residual_px, views, points, date, tool_version and input_hash.
-/// What is wrong is noted in the document.
+/// Errors are noted in the document.
 CalibratedCamera parse_camera(const config::Table& table, const std::string& name);
-/// Reads the optional vignetting, [a, b] of geometry::Vignetting, and writes it where there is any.
+/// Reads the optional vignetting, [a, b] of geometry::Vignetting; writes it unless it is none.
 geometry::Vignetting parse_vignetting(const config::Table& table);
 void set_vignetting(config::Writer& table, const geometry::Vignetting& vignetting);
-/// Reads the nodes of the optional [[lens]], and writes them.
+/// Reads or writes the nodes of the optional [[lens]].
 std::optional<geometry::LensTable> parse_lens_table(const config::Table& table, Size size_px);
 void add_lens_table(config::Writer& table, const geometry::LensTable& lens);
 /// parse_camera for a table that must hold a pinhole; an absent table gives defaults.
 geometry::CameraModel parse_pinhole(const config::Table& table);
-/// Reads translation_m and either rotation (three rows) or rotation_xyzw. Identity where the table
-/// is absent or wrong; what is wrong is noted in the document.
+/// Reads translation_m and either rotation (three rows) or rotation_xyzw. Identity if the table is
+/// absent or wrong; errors are noted in the document.
 geometry::Pose parse_pose(const config::Table& table);
-/// parse_pose with the optional covariance, residual_px, views, date, tool_version and input_hash.
+/// Reads what parse_pose() reads, and the optional covariance, residual_px, views, date,
+/// tool_version and input_hash.
 CalibratedPose parse_calibrated_pose(const config::Table& table, const std::string& name);
 
-/// The table that parse_camera reads back as the same model. Keys that equal their default are left
-/// out: model = "pinhole", a distortion of zeros.
+/// Returns the table that parse_camera() reads back as the same model. Keys that equal their
+/// default are left out: model = "pinhole", a distortion of zeros.
 config::Writer camera_table(const geometry::AnyCamera& camera);
 config::Writer camera_table(const CalibratedCamera& camera);
-/// With rotation_xyzw.
+/// Returns a table of a pose, with rotation_xyzw.
 config::Writer pose_table(const geometry::Pose& pose);
 config::Writer pose_table(const CalibratedPose& pose);
 
-/// Square of that many rows, or 0 x 0 where the key is absent.
+/// Reads a square matrix of `rows` rows; 0 x 0 where the key is absent.
 Eigen::MatrixXd parse_square(const config::Table& table, const char* key, int rows);
-/// The date, tool_version and input_hash of an entry.
+/// Reads date, tool_version and input_hash of an entry.
 Origin parse_origin(const config::Table& table);
-/// Writes what parse_origin reads, where it is not empty, and `covariance` where it is not 0 x 0.
+/// Writes the keys that parse_origin() reads, unless they are empty, and `covariance` unless it is
+/// 0 x 0.
 void set_origin(config::Writer& table, const Origin& origin, const Eigen::MatrixXd& covariance);
 
 }  // namespace mixrig::calibration_file

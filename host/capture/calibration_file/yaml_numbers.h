@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers into YAML so that reading them back gives the same bits. Private to this module.
+// Writes numbers to YAML so that reading them back gives the same bits. Private to this module.
 #pragma once
 
 #include <span>
@@ -10,9 +10,9 @@
 
 namespace mixrig::calibration_file {
 
-/// [a, b, c] with the fewest digits that read back as the same double; yaml-cpp itself has only a
-/// fixed precision. A number with an exponent has a point too: YAML 1.1, and so Kalibr's PyYAML,
-/// reads 1e-05 as text.
+/// Emits [a, b, c] with the fewest digits that read back as the same double; yaml-cpp itself has
+/// only a fixed precision. A number with an exponent gets a point too: YAML 1.1, and so Kalibr's
+/// PyYAML, reads 1e-05 as text.
 inline void emit_numbers(YAML::Emitter& out, std::span<const double> values) {
   out << YAML::Flow << YAML::BeginSeq;
   for (const double value : values) {

@@ -27,7 +27,7 @@ void YamlTable::note(const YAML::Node& node, const std::string& key,
 }
 
 YAML::Node YamlTable::find(const std::string& key) const {
-  // A node of its own that is not defined: yaml-cpp's zombie nodes throw when they are touched.
+  // A separate undefined node is returned, since yaml-cpp's zombie nodes throw when they are used.
   static const YAML::Node absent(YAML::NodeType::Undefined);
   if (!present()) return absent;
   for (const auto& item : node_)

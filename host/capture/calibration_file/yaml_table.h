@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading of the YAML of other tools: typed values, and one line for what is wrong. Private to this
-// module.
+// Reads YAML files of other tools: typed values, and a one-line error. Private to this module.
 #pragma once
 
 #include <cstddef>
@@ -24,19 +23,19 @@ class YamlTable {
  public:
   bool present() const { return node_.IsDefined() && node_.IsMap(); }
   bool has(const std::string& key) const;
-  /// The first of `keys` that the file has, else the first of them.
+  /// Returns the first of `keys` that the file has, else the first of `keys`.
   std::string first_of(std::initializer_list<const char*> keys) const;
 
   std::string text(const std::string& key) const;
   std::string text_or(const std::string& key, const std::string& fallback) const;
   double number(const std::string& key, double min, double max) const;
   double number_or(const std::string& key, double fallback, double min, double max) const;
-  /// A list of `min_count` to `max_count` finite numbers.
+  /// Reads a list of `min_count` to `max_count` finite numbers.
   std::vector<double> numbers(const std::string& key, std::size_t min_count,
                               std::size_t max_count) const;
-  /// A list of equally long lists; 0 x 0 where absent.
+  /// Reads a list of `size` lists of `size` numbers; 0 x 0 where absent.
   Eigen::MatrixXd square_or_empty(const std::string& key, int size) const;
-  /// An OpenCV or ROS matrix {rows, cols, data}, its numbers row by row.
+  /// Reads the numbers of an OpenCV or ROS matrix {rows, cols, data}, row by row.
   std::vector<double> matrix_data(const std::string& key, std::size_t min_count,
                                   std::size_t max_count) const;
   YamlTable table(const std::string& key) const;           ///< may be absent
@@ -68,7 +67,7 @@ class YamlDocument {
   /// Errors: kFormat (file:line) for what is no YAML mapping or larger than kMaxBytes.
   static Result<YamlDocument> parse(const std::string& text, const std::string& name);
   YamlTable root() const { return {notes_, root_, ""}; }
-  /// Errors: kFormat, the first that was noted.
+  /// Errors: kFormat, the first noted error.
   Result<void> finish() const;
 
  private:

@@ -9,8 +9,8 @@
 namespace mixrig::capture {
 namespace {
 
-/// Of the brighter one of two plates; a step below its least one is still byte 36. The darker one
-/// has no least byte: it would leave in what noise made brighter.
+/// Limits of the brighter of two plates' bytes; a kBracketStep below the lower limit is still byte
+/// 36. The darker plate has no lower limit, which would select pixels that noise made brighter.
 constexpr int kLeastCompared = 75, kMostCompared = 245;
 constexpr double kThirdOfAStep = 1.6;
 

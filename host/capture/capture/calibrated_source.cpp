@@ -49,12 +49,12 @@ class CalibratedSource final : public CaptureSource {
   SourceInfo info_;
   std::shared_ptr<const RigCameras> cameras_;
   std::optional<depth::DepthCorrection> correction_, correction2_;
-  FrameLens lens_;  ///< of the last capture
+  FrameLens lens_;  ///< lens of the last capture
   bool has_lens_ = false, warned_ = false;
 };
 
-/// A lens that moved by less than a picture can show is the one before: what depends on it is then
-/// not made again for the noise of the encoders.
+/// Sets the lens of a capture. A lens that moved by less than a picture can show stays the last
+/// one, so that tables which depend on it are not rebuilt for the noise of the encoders.
 void CalibratedSource::set_lens(Capture& capture) {
   constexpr double kLeastShift_px = 0.05, kFrom_m = 2;
   capture.lens.reset();
@@ -123,7 +123,7 @@ void warn_without_table(const SourceInfo& info) {
                                "is taken as fixed (mixrig calibrate lens makes the table)");
 }
 
-/// The table of a lens that zooms, for captures that have its encoders' values.
+/// Uses the lens table for captures that have encoder values.
 void use_lens(const calibration_file::CalibratedCamera& target, SourceInfo& info) {
   if (target.lens && info.has_lens_values)
     info.lens = std::make_shared<geometry::LensTable>(*target.lens);
@@ -152,7 +152,7 @@ Result<void> check_error(const std::optional<calibration_file::DepthError>& erro
                                        "\": remove it or calibrate again"};
 }
 
-/// `info` with the values of the calibration.
+/// Returns `info` with the values of the calibration.
 Result<SourceInfo> calibrated(SourceInfo info, const calibration_file::Calibration& calibration) {
   MIXRIG_ASSIGN(info.target, camera_of(calibration, "target", info.target.size_px()));
   info.vignetting = calibration.camera("target")->vignetting;

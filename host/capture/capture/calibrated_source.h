@@ -9,13 +9,14 @@
 
 namespace mixrig::capture {
 
-/// The same captures with the cameras `target` and `tof` and the pose of `tof` of the calibration
-/// file; the source unchanged where `file` is empty. Depth is corrected where the file holds its
-/// error. The view of the source is kept. Where the file has the table of a lens that zooms, each
-/// capture gets its lens: by its encoders, that of the table's border where they lie outside, the
-/// last one again where they have no value, and the same bits while it moves by less than 0.05 px.
-/// Errors: those of the file; kFormat where it lacks a camera or the pose, or was made from
-/// pictures of another size.
+/// Wraps a source so that its captures have the cameras `target` and `tof` and the pose of `tof`
+/// from the calibration file; returns the source unchanged if `file` is empty. Depth is corrected
+/// if the file holds its error. The view of the source is kept.
+/// If the file has a lens table, each capture gets the lens of its encoder values, clamped to the
+/// table's border; without values the last lens is kept. The lens keeps the same bits while it
+/// moves by less than 0.05 px.
+/// Errors: those of the file; kFormat if it lacks a camera or the pose, or was made from pictures
+/// of another size.
 Result<std::unique_ptr<CaptureSource>> with_calibration(std::unique_ptr<CaptureSource> source,
                                                         const std::filesystem::path& file);
 

@@ -20,7 +20,8 @@ void CameraPicture::recycle() {
 
 const Image<Rgb8>& CameraPicture::decoded() const {
   const std::lock_guard lock(mutex_);
-  // raw() says that the bytes are whole, which is all that decode() asks of such a format.
+  // raw() has checked that the bytes are complete, the only condition of decode() for such a
+  // format.
   if (!is_decoded_) (void)decoder_->decode(*frame_, image_);
   is_decoded_ = true;
   return image_;

@@ -21,23 +21,23 @@ namespace mixrig::capture {
 enum class Stream : std::uint8_t { kPlate, kDepth, kDepth2, kFisheye, kPanTilt, kCount };
 enum class StreamStatus : std::uint8_t {
   kAbsent,    ///< the source has no such stream
-  kFresh,     ///< of this tick
+  kFresh,     ///< recorded at this tick
   kRepeated,  ///< the last value again: the stream is slower than the plate
   kMissing,   ///< expected at this tick, but not received
 };
-/// Where world_from_target comes from.
+/// Origin of world_from_target.
 enum class PoseOrigin : std::uint8_t {
-  kUnknown,   ///< none: the identity
-  kRecorded,  ///< of this frame, from the take or the studio
+  kUnknown,   ///< no pose: the identity
+  kRecorded,  ///< the frame's own, from the take or the studio
   kFixed,     ///< one pose for all frames: rig.toml or the recording that is played
 };
 
-/// Where the lens of a frame comes from.
+/// Origin of a frame's lens.
 enum class LensOrigin : std::uint8_t {
-  kFixed,    ///< that of the cameras, for all frames
-  kEncoded,  ///< what the encoders said at mid-exposure
-  kClamped,  ///< the same, outside the calibrated table: its border
-  kHeld,     ///< no value of the encoders near mid-exposure: the last lens again
+  kFixed,    ///< the cameras' lens, for all frames
+  kEncoded,  ///< from the encoder values at mid-exposure
+  kClamped,  ///< encoder values outside the calibrated table: its border
+  kHeld,     ///< no encoder value near mid-exposure: the last lens is kept
 };
 inline constexpr std::size_t kLensOrigins = 4;
 
@@ -51,36 +51,39 @@ std::string_view name(StreamStatus status);
 std::string_view name(LensOrigin origin);
 std::string_view name(PoseOrigin origin);
 
-/// What a second depth camera measured.
+/// Measurement of a second depth camera.
 struct DepthPicture {
-  Image<float> depth_m;     ///< as DepthKind; 0 = unknown
-  Image<float> amplitude;   ///< empty where the source has none
+  Image<float> depth_m;     ///< along the axis or the ray (DepthKind); 0 = unknown
+  Image<float> amplitude;   ///< empty if the source has none
   HostTime mid_exposure{};  ///< on the clock of Capture::mid_exposure
 };
 
-/// Buffers are kept when a Capture is read into again. Images of streams that are not kFresh or
-/// kRepeated are empty.
+/// One capture: plate, depth and other streams at one tick, with cameras and pose. Its buffers are
+/// kept when it is read into again. Images of streams that are not kFresh or kRepeated are empty.
 struct Capture {
-  int number = 0;                     ///< 1-based, counts the captures of a source
-  std::uint64_t tick = 0;             ///< of the 100 Hz master; 0 where the source has none
-  HostTime mid_exposure{};            ///< of the plate, on the source's clock
-  double time_s = 0;                  ///< of the plate, since the source's start or its own epoch
-  Image<Rgb8> plate;                  ///< sRGB, distorted, size of cameras->target; empty where
-                                      ///< CaptureSource::share_plates() left it: see plate_of()
-  /// The plate in its camera's buffer, which is kept for it; null where it was copied.
+  int number = 0;           ///< 1-based, counts the captures of a source
+  std::uint64_t tick = 0;   ///< tick of the 100 Hz master; 0 if the source has none
+  HostTime mid_exposure{};  ///< the plate's, on the source's clock
+  double time_s = 0;        ///< the plate's, since the source's start or its own epoch
+  Image<Rgb8> plate;        ///< sRGB, distorted, size of cameras->target; empty where
+                            ///< CaptureSource::share_plates() left it: see plate_of()
+  /// The plate in its camera's buffer, which stays reserved while this is held; null if the plate
+  /// was copied.
   std::shared_ptr<const CameraPicture> picture;
-  Image<float> depth_m;               ///< size of cameras->tof, as DepthKind; 0 = unknown
-  Image<float> amplitude;             ///< as depth_m; empty where the source has none
-  HostTime depth_mid_exposure{};      ///< of `depth_m`, on the clock of mid_exposure; 0: not known
-  DepthPicture depth2;                ///< of cameras->tof2; its images are empty in frames without
-  Image<Rgb8> fisheye;                ///< sRGB, distorted; at its own rate, its status says of when
-  HostTime fisheye_mid_exposure{};    ///< of `fisheye`, on the clock of mid_exposure; 0: no picture
-  std::uint64_t fisheye_counter = 0;  ///< of `fisheye`: its camera's own; 0: no picture
+  Image<float> depth_m;           ///< size of cameras->tof; by DepthKind; 0 = unknown
+  Image<float> amplitude;         ///< size of depth_m; empty if the source has none
+  HostTime depth_mid_exposure{};  ///< depth_m's, on the clock of mid_exposure; 0: unknown
+  /// From cameras->tof2; its images are empty in frames without it.
+  DepthPicture depth2;
+  Image<Rgb8> fisheye;                ///< sRGB, distorted; has its own rate, see its status
+  HostTime fisheye_mid_exposure{};    ///< fisheye's, on the clock of mid_exposure; 0: no picture
+  std::uint64_t fisheye_counter = 0;  ///< its camera's counter; 0: no picture
   std::optional<device::PanTiltAngles> pan_tilt;   ///< at mid-exposure
-  std::optional<geometry::LensEncoders> encoders;  ///< of the target camera's lens, the same
-  std::shared_ptr<const RigCameras> cameras;       ///< intrinsics in force, but for `lens`
-  /// In place of cameras->target, where the lens is calibrated by its encoders. world_from_target
-  /// stays that of the camera's frame, which the pupil's shift is measured from.
+  std::optional<geometry::LensEncoders> encoders;  ///< of the target's lens, at mid-exposure
+  std::shared_ptr<const RigCameras> cameras;       ///< intrinsics in force; `lens` overrides them
+  /// Replaces the lens of cameras->target if the lens is calibrated by its encoders.
+  /// world_from_target stays the pose of the camera's frame, from which the pupil's shift is
+  /// measured.
   std::optional<FrameLens> lens;
   geometry::Pose world_from_target;
   PoseOrigin pose_origin = PoseOrigin::kUnknown;
@@ -88,11 +91,11 @@ struct Capture {
 
   StreamStatus status_of(Stream stream) const { return status[static_cast<std::size_t>(stream)]; }
   void set_status(Stream stream, StreamStatus s) { status[static_cast<std::size_t>(stream)] = s; }
-  /// In a Pool: a capture that nobody looks at keeps no buffer of a camera.
+  /// Called by Pool when the last user drops the capture: returns the camera's buffer.
   void recycle() { picture.reset(); }
 };
 
-/// The plate: decoded now where it is not yet. Any thread.
+/// Returns the plate, and decodes it first if necessary. Any thread.
 inline const Image<Rgb8>& plate_of(const Capture& capture) {
   return capture.plate.empty() && capture.picture ? capture.picture->decoded() : capture.plate;
 }

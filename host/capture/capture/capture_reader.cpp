@@ -27,7 +27,7 @@ Result<std::optional<CaptureItem>> CaptureReader::next() {
 }
 
 void CaptureReader::run(int first, int last) {
-  // A recording has no deadline; the compositor's times are what a run of it measures.
+  // A recording has no deadline, and its run measures the compositor's times.
   if (!live_) lower_thread_priority();
   for (int number = first; !stop_; ++number) {
     Slot slot;

@@ -15,15 +15,15 @@
 
 namespace mixrig::capture {
 
-/// A capture with its truth, where that was requested.
+/// A capture, and its truth if that was requested.
 struct CaptureItem {
   CapturePtr capture;
   std::shared_ptr<const Truth> truth;
 };
 
-/// At most two captures wait. Of a live source the oldest is dropped and counted; for a recording
-/// the thread waits, so that every frame is composited. While the reader lives nothing else may use
-/// the source. next() is for one thread.
+/// Reads ahead; at most two captures wait. For a live source the oldest is dropped and counted; for
+/// a recording the thread waits, so that every frame is composited. While the reader lives nothing
+/// else may use the source. next() is for one thread.
 class CaptureReader {
  public:
   /// Starts to read `first`..`last`. The source and the gate must outlive the reader. With a gate,
@@ -35,7 +35,7 @@ class CaptureReader {
   CaptureReader(const CaptureReader&) = delete;
   CaptureReader& operator=(const CaptureReader&) = delete;
 
-  /// The next capture; waits for it. Empty after `last` or when the source has ended.
+  /// Waits for the next capture and returns it. Empty after `last` or when the source has ended.
   /// Errors: those of the source; nothing follows them.
   Result<std::optional<CaptureItem>> next();
   /// Captures that were dropped because the consumer was too slow.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where captures come from: a recorded take, the virtual studio rendered on the fly, live devices.
+// Sources of captures: a recorded take, the virtual studio rendered on the fly, live devices.
 #pragma once
 
 #include <filesystem>
@@ -31,79 +31,80 @@ struct SourceInfo : RigCameras {
                                     ///< those of the light that comes back, not a confidence
   int frames = 0;                   ///< kEndless for live devices
   bool is_live() const { return frames == kEndless; }
-  Size fisheye_px;                    ///< of its fisheye's pictures; empty where unknown or none
-  double fisheye_rate_hz = 0;         ///< of them; 0 where unknown or none
-  geometry::Vignetting vignetting;    ///< of the plate; only a calibration file has it
-  std::filesystem::path calibration;  ///< file that replaces the cameras, or empty
-  std::filesystem::path file;         ///< take.toml or rig.toml; empty for the studio
+  Size fisheye_px;                         ///< size of fisheye pictures; empty: unknown or none
+  double fisheye_rate_hz = 0;              ///< 0: unknown or none
+  geometry::Vignetting vignetting;         ///< the plate's; only a calibration file has it
+  std::filesystem::path calibration;       ///< file that replaces the cameras, or empty
+  std::filesystem::path file;              ///< take.toml or rig.toml; empty for the studio
   std::vector<std::string> camera_tables;  ///< tables of `file` with the cameras
   bool reported = false;  ///< the devices, or the recording that they play, report intrinsics
-  bool has_lens_values = false;  ///< its captures have the values of the lens's encoders
-  /// The target camera's lens by its encoders: each capture has the lens in force.
+  bool has_lens_values = false;  ///< its captures have encoder values of the lens
+  /// The target camera's lens by its encoders, if it is calibrated: each capture then has the lens
+  /// in force.
   std::shared_ptr<const geometry::LensTable> lens;
   bool has_poses = false;
-  bool moves = false;  ///< its poses differ
+  bool moves = false;  ///< its poses change
   bool has_truth = false;
-  bool true_poses = false;  ///< its poses are the true ones
+  bool true_poses = false;  ///< its poses are the truth
 };
 
-/// How a head stands and turns at one time.
+/// Angles and angular rates of a pan-tilt head at one time.
 struct HeadMotion {
   device::PanTiltAngles angles;
   device::PanTiltAngles rate_rad_s;
-  double swing_rad = 0;  ///< of the pan axis, not seen by its encoder
+  double swing_rad = 0;  ///< swing of the pan axis, not seen by its encoder
 };
 
-/// The head of a source whose captures are rendered as it stands. Calls come from the thread that
-/// reads.
+/// The pan-tilt head of a source that renders its captures for the head's angles. Only the reading
+/// thread calls it.
 class RenderedHead {
  public:
   virtual ~RenderedHead() = default;
   virtual device::PanTiltInfo limits() const = 0;  ///< without its URI
-  /// At mid-exposure of the captures that are read from now on.
+  /// Sets the head's motion at mid-exposure of the captures read from now on.
   virtual void turn(const HeadMotion& motion) = 0;
 };
 
-/// The exposure of the plates of a source whose captures are rendered. Calls come from the thread
-/// that reads.
+/// The exposure control of a source that renders its captures. Only the reading thread calls it.
 class RenderedExposure {
  public:
   virtual ~RenderedExposure() = default;
   virtual ExposureLimits limits() const = 0;
-  virtual double rest_s() const = 0;  ///< before the first call of set()
-  /// Within limits(); of captures that are read some calls later.
+  virtual double rest_s() const = 0;  ///< exposure before the first call of set()
+  /// Sets the exposure, within limits(). It takes effect some captures later.
   virtual void set(double exposure_s) = 0;
 };
 
 struct RenderedRig {
-  RenderedHead* head = nullptr;          ///< null: no head can be moved
-  RenderedExposure* exposure = nullptr;  ///< null: it cannot be set
+  RenderedHead* head = nullptr;          ///< null: no head to move
+  RenderedExposure* exposure = nullptr;  ///< null: exposure cannot be set
 };
 
-/// In which forms captures of live devices have their plates, where the camera shares its memory
-/// (device::Frame::memory); of others they are decoded.
+/// Forms in which captures of live devices hold their plates, if the camera shares its memory
+/// (device::Frame::memory). Other plates are always decoded.
 struct PlateForms {
-  bool shared = false;  ///< as Capture::picture
-  bool decoded = true;  ///< as Capture::plate; false: only where `shared` cannot be
+  bool shared = false;  ///< in Capture::picture
+  bool decoded = true;  ///< in Capture::plate; false: only if `shared` is impossible
   bool operator==(const PlateForms&) const = default;
 };
 
-/// Captures by number, 1..info().frames. Calls come from one thread at a time.
+/// A source of captures, numbered 1..info().frames. Calls come from one thread at a time.
 class CaptureSource {
  public:
   virtual ~CaptureSource() = default;
   virtual const SourceInfo& info() const = 0;
   /// Reads and decodes capture `number`; live devices give the next one, whatever the number.
-  /// False when the source has ended: nothing was read.
-  /// Errors: kData for anything wrong with the capture; kDevice.
+  /// Returns false when the source has ended, and nothing was read. Errors: kData for anything
+  /// wrong with the capture; kDevice.
   virtual Result<bool> read(int number, Capture& capture) = 0;
-  /// Call after read() of the same number, and only where info().has_truth. Errors as read.
+  /// Reads the truth of capture `number`. Call it after read() of the same number, and only if
+  /// info().has_truth. Errors: those of read().
   virtual Result<void> read_truth(int number, Truth& truth) = 0;
-  /// From one of the next captures on. Any thread.
+  /// Sets the forms of plates, from one of the next captures on. Any thread.
   virtual void share_plates(PlateForms) {}
-  /// What of the rig can be moved and set where the captures are rendered.
+  /// Returns the controls of a source that renders its captures.
   virtual RenderedRig rendered() { return {}; }
-  /// Counts of live devices; empty for other sources. Any thread.
+  /// Returns the counts of live devices; empty for other sources. Any thread.
   virtual std::optional<SourceReport> report() const { return std::nullopt; }
 };
 

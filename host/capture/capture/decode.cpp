@@ -42,7 +42,7 @@ std::uint8_t srgb_byte(const ColorSettings& settings, double gain, double sample
 }
 
 struct Bayer {
-  int bytes, red_x, red_y;  ///< of a sample; where the first red one is
+  int bytes, red_x, red_y;  ///< bytes of a sample; position of the first red one
 };
 Bayer bayer_of(PixelFormat format) {
   switch (format) {
@@ -76,7 +76,7 @@ std::uint8_t mean(int a, int b, int c, int d) {
   return static_cast<std::uint8_t>((a + b + c + d + 2) / 4);
 }
 
-/// One row of bilinear interpolation; each row of samples has one sample before and after it.
+/// Interpolates one row bilinearly; each row of samples has one more sample at both ends.
 void interpolate_row(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below,
                      int width, bool red_row, int red_x, Rgb8* out) {
   for (int x = 0; x < width; ++x) {
@@ -92,7 +92,7 @@ void interpolate_row(const std::uint8_t* above, const std::uint8_t* here, const 
   }
 }
 
-/// Errors: kData where the bytes are fewer than the picture needs.
+/// Errors: kData if there are fewer bytes than the picture needs.
 Result<void> check_bytes(const Frame& frame) {
   // Chroma of NV12 comes in pairs of bytes.
   const int samples =
@@ -165,7 +165,7 @@ void ColorDecoder::map_rgb(Image<Rgb8>& image) const {
   }
 }
 
-/// Without tables a sample keeps its upper byte.
+/// Decodes grey samples. Without tables a sample becomes its upper byte.
 void ColorDecoder::decode_gray(const Frame& frame, int bytes, Image<Rgb8>& out) const {
   for (int y = 0; y < frame.size.height; ++y) {
     const std::uint8_t* in = row_of(frame, y);
@@ -183,7 +183,7 @@ void ColorDecoder::decode_gray(const Frame& frame, int bytes, Image<Rgb8>& out) 
   }
 }
 
-/// Samples of row `y` as 8-bit sRGB, and one more at each end.
+/// Maps the samples of row `y` to 8-bit sRGB, with one more at each end.
 void ColorDecoder::map_bayer_row(const Frame& frame, int bytes, int red_x, int red_y, int y,
                                  std::uint8_t* out) const {
   const std::uint8_t* in = row_of(frame, mirrored(y, frame.size.height));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colour pictures from the formats that cameras send.
+// Decodes colour pictures from the formats that cameras send.
 //
 // YUV is converted by libyuv, but for limited BT.709 and BT.2020: 1920x1080 YUYV takes 0.4 ms on
 // one core of an x86-64 server, NV12 0.5 ms, of BT.709 1.2 ms; Bayer 3.5 ms. Tables for another
@@ -27,36 +27,38 @@
 
 namespace mixrig::capture {
 
-/// From the samples of a camera to linear light.
+/// Settings that convert the samples of a camera to linear light.
 struct ColorSettings {
   device::ColorEncoding encoding{};
-  double black = 0;                      ///< sample without light, of full scale 1; below 1
-  std::array<double, 3> gains{1, 1, 1};  ///< of linear red, green and blue light
-  bool limited_samples = false;          ///< samples that are not YUV have the limited range
-  bool mirrored = false;                 ///< JPEG pictures show left on the right
+  double black = 0;                      ///< sample without light, 0..1 of full scale, below 1
+  std::array<double, 3> gains{1, 1, 1};  ///< factors of linear red, green and blue light
+  bool limited_samples = false;          ///< samples other than YUV have the limited range
+  bool mirrored = false;                 ///< JPEG pictures are mirrored left to right
 };
 
-/// Linear light 0..1 of an R'G'B' sample 0..1 above black.
+/// Returns the linear light 0..1 of an R'G'B' sample 0..1 above black.
 double linear_light(const device::ColorEncoding& encoding, double sample);
 
 /// Makes 8-bit sRGB of the pictures of one camera: light = gain * linear((sample - black) /
-/// (1 - black)), then its sRGB value, from tables. A camera that sends sRGB has none and costs
-/// nothing more. Not thread-safe.
+/// (1 - black)), then its sRGB value, from tables. A camera that sends sRGB needs no tables and no
+/// extra time. Not thread-safe.
 class ColorDecoder {
  public:
   explicit ColorDecoder(const ColorSettings& settings = {});
 
-  /// Any frame but depth; keeps the memory of `out`. YUV is converted by its matrix and range, JPEG
-  /// as the JFIF says; rows of NV12 hold an even number of bytes. Bayer is interpolated bilinearly.
-  /// Errors: kData where the bytes are fewer than the picture needs, or the format has no colours;
+  /// Decodes any frame but depth; keeps the memory of `out`. YUV is converted by its matrix and
+  /// range, JPEG as JFIF defines it; rows of NV12 hold an even number of bytes. Bayer is
+  /// interpolated bilinearly.
+  /// Errors: kData if there are fewer bytes than the picture needs, or the format has no colours;
   /// kFormat for a damaged JPEG.
   Result<void> decode(const device::Frame& frame, Image<Rgb8>& out);
-  /// The frame with what decode() does to it, where its samples have 8 bits and are YUV, grey or
-  /// Bayer; none for other formats, and for bytes that are too few. Borrows frame and decoder.
+  /// Returns the undecoded frame with the tables that decode() would apply, if its samples have 8
+  /// bits and are YUV, grey or Bayer; empty for other formats and if bytes are missing. It borrows
+  /// frame and decoder.
   std::optional<RawPicture> raw(const device::Frame& frame) const;
 
  private:
-  static constexpr int kBits = 12;  ///< of a sample that looks up a table
+  static constexpr int kBits = 12;  ///< bits of a sample that indexes a table
   using Table = std::array<std::uint8_t, 1 << kBits>;
   void decode_gray(const device::Frame& frame, int bytes, Image<Rgb8>& out) const;
   void decode_bayer(const device::Frame& frame, Image<Rgb8>& out);
@@ -67,10 +69,10 @@ class ColorDecoder {
 
   device::ColorEncoding encoding_;
   bool mirrored_;
-  std::vector<Table> tables_;  ///< of red, green, blue; empty: samples are sRGB already
-  std::array<std::array<std::uint8_t, 256>, 3> byte_tables_{};  ///< the same, of 8-bit samples
-  SampleTable samples_{};                                       ///< those, for raw()
-  std::vector<std::uint8_t> rows_;                              ///< of Bayer samples
+  std::vector<Table> tables_;  ///< for red, green, blue; empty: samples are sRGB already
+  std::array<std::array<std::uint8_t, 256>, 3> byte_tables_{};  ///< tables of 8-bit samples
+  SampleTable samples_{};                                       ///< byte_tables_ for raw()
+  std::vector<std::uint8_t> rows_;                              ///< unpacked rows of Bayer samples
 };
 
 }  // namespace mixrig::capture

@@ -37,7 +37,7 @@ double sample_of(bool cut, std::size_t byte) {
   return cut ? (value + 0.5) / 256 : value / 255;
 }
 
-/// Light of each byte.
+/// Returns the linear light of each byte.
 Lights lights_of(bool cut, const ColorSettings& settings) {
   Lights lights{};
   for (std::size_t i = 0; i < lights.size(); ++i) {
@@ -47,7 +47,7 @@ Lights lights_of(bool cut, const ColorSettings& settings) {
   return lights;
 }
 
-/// Largest log of light over exposure from each exposure to the next.
+/// Returns the largest log of light over exposure from each exposure to the next.
 double deviation(std::span<const CardSamples> exposures, const ColorSettings& settings) {
   const Lights lights = lights_of(exposures[0].cut, settings);
   double worst = 0;
@@ -63,7 +63,7 @@ double deviation(std::span<const CardSamples> exposures, const ColorSettings& se
   return worst;
 }
 
-/// The nearest of the candidates so far.
+/// The best candidate so far.
 struct Nearest {
   std::span<const CardSamples> exposures;
   ColorSettings settings;

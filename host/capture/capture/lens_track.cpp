@@ -6,7 +6,8 @@
 namespace mixrig::capture {
 namespace {
 
-/// Whether two times lie further apart than `gap`; their difference may overflow, the halves' not.
+/// Whether two times lie further apart than `gap`. It compares halves, since the difference of the
+/// times may overflow.
 bool apart(HostTime before, HostTime after, Duration gap) {
   return after.time_since_epoch() / 2 - before.time_since_epoch() / 2 > gap / 2;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the encoders of a lens said when, and what they say at mid-exposure of a frame.
+// Encoder values of a lens over time, and their interpolation to mid-exposure of a frame.
 #pragma once
 
 #include <chrono>
@@ -16,12 +16,12 @@ struct LensSample {
   geometry::LensEncoders at;
 };
 
-/// A gap of the encoders' values that is not interpolated over.
+/// Longest gap between encoder values that is interpolated over.
 inline constexpr Duration kMostLensGap = std::chrono::milliseconds(100);
 
-/// Linear between the two samples around a time; the first or the last one, where the time is at
-/// most kMostLensGap / 2 beyond it. nullopt where the two lie further apart than kMostLensGap.
-/// Precondition: times grow. Pure.
+/// Interpolates linearly between the two samples around `time`; returns the first or last sample if
+/// `time` is at most kMostLensGap / 2 beyond it. nullopt if the two samples lie further apart than
+/// kMostLensGap. Precondition: times grow. Pure.
 std::optional<geometry::LensEncoders> lens_at(std::span<const LensSample> samples, HostTime time);
 
 }  // namespace mixrig::capture

@@ -29,7 +29,7 @@ class PreloadedSource final : public CaptureSource {
   const std::vector<Capture> captures_;
 };
 
-/// Goes through a source again and again.
+/// Repeats a source.
 class RepeatedSource final : public CaptureSource {
  public:
   RepeatedSource(std::unique_ptr<CaptureSource> source, int frames)

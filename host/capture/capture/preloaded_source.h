@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A recording in memory: reading costs a copy, so that a measurement in real time is not that of
-// the recording's decoder.
+// Holds a recording in memory: reading is a copy, so that a measurement in real time does not
+// include the recording's decoder.
 #pragma once
 
 #include <memory>
@@ -9,12 +9,12 @@
 
 namespace mixrig::capture {
 
-/// Reads all captures once. Truth is not kept: read_truth() reads it of the source. Errors: those
+/// Reads all captures once. Truth is not kept: read_truth() reads it from the source. Errors: those
 /// of reading; kUsage for an endless source.
 Result<std::unique_ptr<CaptureSource>> preloaded(std::unique_ptr<CaptureSource> source);
 
-/// `frames` captures of `source`, after its last the first again; their times go on at its rate. It
-/// has no truth. Preconditions: the source has an end, frames and a rate.
+/// Returns a source of `frames` captures that repeats `source` from its first capture; times
+/// continue at its rate. It has no truth. Preconditions: the source has an end, frames and a rate.
 std::unique_ptr<CaptureSource> repeated(std::unique_ptr<CaptureSource> source, int frames);
 
 }  // namespace mixrig::capture

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cameras of a rig, as a source describes them.
+// Cameras of a rig and their poses.
 #pragma once
 
 #include <optional>
@@ -10,10 +10,10 @@
 
 namespace mixrig::capture {
 
-/// What a depth value means: along the optical axis, or along the ray.
+/// Direction of a depth value: along the optical axis, or along the ray.
 enum class DepthKind { kZ, kDistance };
 
-/// A second depth camera of a rig, beside another side of the colour camera.
+/// A second depth camera of a rig, on another side of the colour camera.
 struct SecondDepthCamera {
   geometry::CameraModel model;
   geometry::Pose target_from_tof;
@@ -21,7 +21,7 @@ struct SecondDepthCamera {
   geometry::DepthNoise noise;
   double unit_m = 0.001, offset_m = 0;  ///< of 16-bit depth; captures contain the offset
   int unknown = 0;                      ///< step without a value
-  bool amplitude_is_light = false;      ///< as SourceInfo::amplitude_is_light
+  bool amplitude_is_light = false;      ///< see SourceInfo::amplitude_is_light
 };
 
 /// Intrinsics of colour and depth cameras, and the poses between them.

@@ -11,36 +11,37 @@
 
 namespace mixrig::capture {
 
-/// The ideal view of a frame whose lens moved, and its entrance pupil before the camera's origin.
+/// The ideal view of a frame whose lens moved, and how far its entrance pupil lies ahead of the
+/// camera's origin.
 struct TrueLens {
   geometry::Pinhole view;
   double pupil_shift_m = 0;
 };
 
-/// Where one person is, and how much of it the view shows.
+/// True place of one person, and how much of them the view shows.
 struct TruePerson {
-  int number = 0;           ///< of the person, from 0 on
+  int number = 0;           ///< number of the person, from 0
   double x_m = 0, y_m = 0;  ///< world, vertically below the middle of the hip joints
   double top_m = 0;         ///< the highest point of the body over the floor
-  double visible_m2 = 0;    ///< what is seen, each pixel as large as at its own depth
+  double visible_m2 = 0;    ///< visible area: each pixel has its size at its own depth
   bool operator==(const TruePerson&) const = default;
 };
 
-/// All images in the ideal view.
+/// Truth of a capture; all images are in the ideal view.
 struct Truth {
   static constexpr std::uint8_t kLayerMask = 3;  ///< visible: 0 background, 1 person, 2 virtual
   static constexpr std::uint8_t kTofSees = 4;    ///< the ToF camera sees the real surface
   static constexpr std::uint8_t kVirtual =
       8;  ///< inside the virtual objects' silhouette, occluded or not
-  static constexpr std::uint8_t kTof2Sees = 16;  ///< as kTofSees, of a second ToF camera
+  static constexpr std::uint8_t kTof2Sees = 16;  ///< a second ToF camera sees the real surface
 
-  Image<float> depth_m;       ///< of the real scene
+  Image<float> depth_m;       ///< depth of the real scene
   Image<std::uint8_t> matte;  ///< coverage by people, 255 = all
   Image<float> light;         ///< light with / light without virtual objects
   Image<Rgb8> composite;
   Image<std::uint8_t> labels;      ///< the bits above
-  std::vector<TruePerson> people;  ///< who is in the room, seen or not
-  std::optional<TrueLens> lens;    ///< where the lens moves; else the view is that of the source
+  std::vector<TruePerson> people;  ///< people in the room, visible or not
+  std::optional<TrueLens> lens;    ///< only if the lens moves; else the view is the source's
 };
 
 }  // namespace mixrig::capture

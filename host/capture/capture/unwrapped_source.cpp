@@ -44,7 +44,7 @@ class UnwrappedSource final : public CaptureSource {
   }
 
   std::unique_ptr<CaptureSource> source_;
-  std::optional<depth::WrappedDepth> wrapped_, wrapped2_;  ///< of cameras whose amplitude is light
+  std::optional<depth::WrappedDepth> wrapped_, wrapped2_;  ///< for cameras whose amplitude is light
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Leaves out depth that is nearer than the light can come from.
+// Removes depth that phase wrap made too near.
 #pragma once
 
 #include <memory>
@@ -8,8 +8,8 @@
 
 namespace mixrig::capture {
 
-/// The same captures, wrapped depth unknown (depth::WrappedDepth), where amplitudes are light; the
-/// source unchanged where they are not.
+/// Wraps a source whose amplitudes are light: wrapped depth becomes unknown (depth::WrappedDepth).
+/// Returns other sources unchanged.
 std::unique_ptr<CaptureSource> without_wrapped_depth(std::unique_ptr<CaptureSource> source);
 
 }  // namespace mixrig::capture

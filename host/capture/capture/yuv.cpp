@@ -23,8 +23,8 @@ const std::uint8_t* yuv_row(const Frame& frame, int y) {
 }
 std::uint8_t* rgb_bytes(Rgb8* pixels) { return reinterpret_cast<std::uint8_t*>(pixels); }
 
-/// libyuv's constants. They hold blue factors up to 2 alone: those of limited BT.709 (2.112) and
-/// BT.2020 (2.142) would be up to 18 of 255 off.
+/// Returns libyuv's constants. They only hold blue factors up to 2: those of limited BT.709 (2.112)
+/// and BT.2020 (2.142) would be up to 18 of 255 off.
 const libyuv::YuvConstants& constants(const ColorEncoding& encoding) {
   const bool full = encoding.range == SampleRange::kFull;
   switch (encoding.matrix) {
@@ -40,11 +40,12 @@ bool libyuv_holds(const ColorEncoding& encoding) {
   return encoding.matrix == YuvMatrix::kBt601 || encoding.range == SampleRange::kFull;
 }
 
-/// R' = luma (y - 16) + red_v (v - 128) and so on, in 1/65536.
+/// Factors of R' = luma (y - 16) + red_v (v - 128) and so on, in 1/65536.
 struct Factors {
   int luma, red_v, green_u, green_v, blue_u;
 };
-/// Limited range, from the luma coefficients of red and blue (ITU-R BT.709-6, BT.2020-2).
+/// Returns the factors of limited range from the luma coefficients of red and blue (ITU-R BT.709-6,
+/// BT.2020-2).
 Factors limited_factors(double kr, double kb) {
   const auto fixed = [](double value) { return static_cast<int>(std::lround(value * 65536)); };
   const double chroma = 255.0 / 112, kg = 1 - kr - kb;
@@ -73,7 +74,7 @@ YuvNumbers numbers_of(const ColorEncoding& encoding) {
   }
 }
 
-/// A block of planes, chroma of half the width.
+/// A block of pixels as planes; chroma has half the width.
 struct Block {
   std::array<std::uint8_t, kBlock_px> y;
   std::array<std::uint8_t, kBlock_px / 2> u, v;
@@ -83,7 +84,7 @@ std::uint8_t clamped(int fixed) {
   return static_cast<std::uint8_t>(std::clamp((fixed + 32768) >> 16, 0, 255));
 }
 
-/// In loops that compilers vectorise.
+/// Converts a block in loops that compilers vectorise.
 void convert(const Block& block, const Factors& f, int count, Rgb8* out) {
   std::array<int, kBlock_px> u, v;
   for (int i = 0; i < (count + 1) / 2; ++i) {
@@ -109,7 +110,7 @@ void convert_by_libyuv(const Block& block, const ColorEncoding& encoding, int co
   libyuv::ARGBToRAW(argb.data(), 0, rgb_bytes(out), 0, count, 1);
 }
 
-/// What webcams send, in one step less than through planes.
+/// Decodes the usual YUYV of webcams directly, without planes.
 void decode_usual_yuyv(const Frame& frame, Image<Rgb8>& out) {
   std::array<std::uint8_t, 4 * kBlock_px> argb;
   for (int y = 0; y < frame.size.height; ++y)
@@ -120,7 +121,8 @@ void decode_usual_yuyv(const Frame& frame, Image<Rgb8>& out) {
     }
 }
 
-/// `load(x, y, count, block)` splits pixels x to x + count of row y into planes.
+/// Converts a picture block by block. `load(x, y, count, block)` splits pixels x to x + count of
+/// row y into planes.
 template <typename Load>
 void convert_rows(Size size, const ColorEncoding& encoding, const Load& load, Image<Rgb8>& out) {
   const Factors factors = limited_factors(encoding.matrix);

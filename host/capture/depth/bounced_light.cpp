@@ -12,9 +12,10 @@ namespace {
 constexpr int kEntries = 64;
 constexpr float kLeastCoarse_m = -0.1F, kMostCoarse_m = 0.7F;
 constexpr float kLeastFineLight = 0.2F, kMostFineLight = 1.1F;
-// Of the two numbers, as means over a window, with what the constants of the camera are off.
+// Standard deviations of the two measured numbers as means over a window, including the error of
+// the camera's constants.
 constexpr double kCoarseSigma_m = 0.03, kLightSigma = 0.02;
-constexpr double kSharePenalty = 0.02;  ///< of two tails that fit alike the weaker one
+constexpr double kSharePenalty = 0.02;  ///< prefers the weaker of two tails that fit equally well
 constexpr double kMostShare = 4, kLeastWay_m = 0.05, kMostWay_m = 6, kStep = 1.2;
 
 struct Tail {
@@ -22,12 +23,12 @@ struct Tail {
   BouncedLight::Effect effect;
 };
 
-/// `way_m`: half of the mean further way.
+/// Returns the tail of a given share; `way_m` is half of its mean extra path.
 Tail tail_of(double share, double way_m, const std::array<double, 3>& range_m) {
   std::array<double, 3> error_m{}, light{};
   for (std::size_t f = 0; f < 3; ++f) {
     const double turn_m = range_m[f] / (2 * std::numbers::pi);
-    // The phase grows with the way, so what comes later turns the phasor forward.
+    // The phase grows with the path, so later light turns the phasor forward.
     const std::complex<double> phasor = 1.0 + share / std::complex<double>(1, -way_m / turn_m);
     error_m[f] = turn_m * std::arg(phasor);
     light[f] = std::abs(phasor);

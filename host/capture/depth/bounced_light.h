@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What light that reaches the camera over other surfaces does to the distances of a phase camera
-// with three frequencies.
+// Model of multipath: the error that light reflected by other surfaces causes in the distances of a
+// phase camera with three frequencies.
 #pragma once
 
 #include <array>
@@ -9,25 +9,28 @@
 
 namespace mixrig::depth {
 
-/// A pixel's light is that of its surface and a tail that comes later, whose strength falls off
-/// exponentially with its way: its phasor over that of the surface is share / (1 - i w), w the
-/// phase of the tail's mean further way. It bends low frequencies most. Two numbers tell both
-/// parameters: by how much the coarsest frequency sees farther than the finest, and the light of
-/// the finest over that of the coarsest. A table of them, made once. Const methods are thread-safe.
+/// A pixel receives the light of its surface and a later tail, whose strength falls exponentially
+/// with its extra path. Relative to the surface its phasor is share / (1 - i w), w being the phase
+/// of the tail's mean extra path. It changes low frequencies most. Two numbers determine share and
+/// path: by how much the coarsest frequency sees farther than the finest, and the light of the
+/// finest over that of the coarsest. The constructor makes a table over these two numbers. Const
+/// methods are thread-safe.
 class BouncedLight {
  public:
-  /// Ranges of the frequencies in their order: the second is the coarsest, the third the finest.
+  /// `range_m`: ranges of the frequencies in their order: the second is the coarsest, the third the
+  /// finest.
   explicit BouncedLight(const std::array<double, 3>& range_m);
 
   struct Effect {
     float fine_m = 0;       ///< error of the finest frequency's distance
-    float spread_m = 0;     ///< distance by the first less that by the finest
-    float first_light = 1;  ///< light of the first over that of the coarsest
+    float spread_m = 0;     ///< distance by the first frequency minus that by the finest
+    float first_light = 1;  ///< light of the first frequency over that of the coarsest
   };
-  /// `coarse_m`: distance by the coarsest less that by the finest; `fine_light`: light of the
-  /// finest over that of the coarsest. Beyond the table its border.
+  /// Looks up the effect. `coarse_m`: distance by the coarsest frequency minus that by the finest;
+  /// `fine_light`: light of the finest over that of the coarsest. Values outside the table are
+  /// clamped to its border.
   Effect at(float coarse_m, float fine_light) const;
-  /// False where a tail is stronger than those of the table.
+  /// Whether the table covers these values; false for stronger tails.
   static bool covers(float coarse_m, float fine_light);
 
  private:

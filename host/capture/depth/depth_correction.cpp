@@ -41,7 +41,7 @@ DepthCorrection::DepthCorrection(const calibration_file::DepthError& error,
     }
 }
 
-/// Straight between the steps; beyond the ends what it is there.
+/// Returns the error, linear between the steps and constant beyond the ends.
 float DepthCorrection::at(float distance_m) const {
   const float step = std::clamp((distance_m - first_m_) * steps_per_m_, 0.0F, kSteps - 1.0F);
   const auto i = static_cast<std::size_t>(std::min(step, kSteps - 2.0F));

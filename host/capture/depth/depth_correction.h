@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes the systematic error out of the pictures of a ToF camera.
+// Removes the systematic error from the pictures of a ToF camera.
 #pragma once
 
 #include <vector>
@@ -19,7 +19,7 @@ class DepthCorrection {
 
   bool wants_amplitude() const { return amplitude_m_ != 0.0F; }
   /// Corrects metres in place; unknown values (0, negative, not finite) stay, and so do pixels
-  /// where the lens has no ray. Without `amplitude` (empty) its term is left out.
+  /// where the lens has no ray. If `amplitude` is empty its term is left out.
   /// Precondition: pictures of the camera's size.
   void apply(ImageView<float> depth_m, ImageView<const float> amplitude) const;
 
@@ -27,9 +27,9 @@ class DepthCorrection {
   float at(float distance_m) const;
 
   float first_m_ = 0, steps_per_m_ = 1;
-  std::vector<float> error_m_;  ///< over the distance, first_m_ + index / steps_per_m_
+  std::vector<float> error_m_;  ///< at the distances first_m_ + index / steps_per_m_
   float amplitude_m_ = 0;
-  Image<float> place_m_;  ///< error of the place
+  Image<float> place_m_;  ///< error by the place in the picture
   Image<float> ray_;      ///< distance per depth
 };
 

@@ -8,14 +8,14 @@
 namespace mixrig::depth {
 namespace {
 
-constexpr float kLeastLightSigmas = 2.5;  ///< of darker pixels a phase says little
-/// Light that bounces between surfaces adds to the phasor of each frequency up to such a share of
-/// it: phases (in radians) and relative contrasts may differ so much. Of what is left of the fit,
-/// not of its weights.
+constexpr float kLeastLightSigmas = 2.5;  ///< darker pixels have no usable phase
+/// Multipath adds to the phasor of each frequency up to this share of it: phases (in radians) and
+/// relative contrasts may differ by as much. It enters the test of the fit's residuals, not the
+/// fit's weights.
 constexpr float kBounced = 0.08F;
 
-/// atan2(y, x) in turns, -0.5 to 0.5, to 1.7e-6 rad: octants and an odd polynomial of degree 11
-/// (minimax, by weighted least squares).
+/// Returns atan2(y, x) in turns, -0.5 to 0.5, to 1.7e-6 rad: octants and an odd polynomial of
+/// degree 11 (minimax, by weighted least squares).
 inline float turns_of(float y, float x) {
   const float ax = std::abs(x), ay = std::abs(y);
   const float low = std::min(ax, ay), high = std::max(ax, ay);
@@ -33,14 +33,14 @@ inline float turns_of(float y, float x) {
 
 }  // namespace
 
-/// What is known of a row between the steps; arrays of frequencies first.
+/// Values of a row between the steps; arrays of frequencies first.
 struct PhaseDecoder::PhaseRow {
-  std::array<Row, 3> distance_m;  ///< modulo its range
+  std::array<Row, 3> distance_m;  ///< distance modulo the frequency's range
   std::array<Row, 3> light;       ///< amplitude over contrast
   std::array<Row, 3> weight;      ///< one over the variance of the distance
-  std::array<Row, 3> judge;       ///< the same, with what bounced light does
+  std::array<Row, 3> judge;       ///< the same with the variance of multipath added
   Row contrast_misfit, noise;
-  std::array<std::int16_t, kColumns> most;  ///< of the nine samples
+  std::array<std::int16_t, kColumns> most;  ///< largest of the nine samples
 };
 
 PhaseCamera kinect2_phase_camera(const device::Kinect2Infrared& infrared,
@@ -117,7 +117,8 @@ void PhaseDecoder::measure_phases(std::span<const std::uint8_t> pictures, int y,
   }
 }
 
-/// Light as all three tell it, each by its variance; then variances of the distances.
+/// Combines the light of the three frequencies, each weighted by its variance; then sets the
+/// variances of the distances.
 void PhaseDecoder::weigh(int y, PhaseRow& row) {
   Row light, variance;  // on the stack, where the compiler sees that nothing else points to them
   std::array<float, 3> share;
@@ -150,7 +151,7 @@ void PhaseDecoder::weigh(int y, PhaseRow& row) {
   std::copy(variance.begin(), variance.end(), variance_m2_.row(y));
 }
 
-/// The least chi^2 over the wraps of the first frequency, and the second.
+/// Finds the least chi^2 over the wraps of the first frequency, and the second least.
 void PhaseDecoder::unwrap(int y, PhaseRow& row) {
   Row way, misfit, second, variance, fine, coarse, spread;
   std::copy_n(variance_m2_.row(y), kColumns, variance.begin());

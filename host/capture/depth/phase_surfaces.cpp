@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Steps 4 and 5 of PhaseDecoder: what the neighbours of a pixel tell, and bounced light.
+// Steps 4 and 5 of PhaseDecoder: comparison with the neighbours of a pixel, and correction of
+// multipath.
 #include <algorithm>
 #include <cmath>
 
@@ -10,13 +11,14 @@ namespace {
 
 constexpr float kAmplitudePerLight = 4;  ///< counts up to 16320 become 16 bits
 constexpr float kAgreeSigmas = 3, kAgreeShare = 0.006F;
-/// Neighbours of 8 that agree: a pixel on the straight edge of a surface has five good ones. Where
-/// most agree, contradicted or not, they see one surface by bounced light, up to a misfit so many
-/// times as large.
+/// Number of the 8 neighbours that must agree: a pixel on the straight edge of a surface has five
+/// good ones. If kMostNeighbours agree, even with a bad fit, they see one surface by multipath; the
+/// misfit may then be kMostBounced times as large.
 constexpr float kLeastNeighbours = 4, kMostNeighbours = 6, kMostBounced = 4;
 
-/// Of step 5: pixels to each side; pixels of a surface that a mean needs; the misfit by half of
-/// which a pixel is corrected, and from which on; what a tail of light may leave unexplained.
+/// Constants of step 5: pixels to each side of the window; surface pixels that a mean needs; the
+/// misfit at which half of the correction is applied, and the smallest one that is corrected; the
+/// largest differences that a tail of light may leave unexplained.
 constexpr int kReach = 3;
 constexpr float kLeastOfSurface = 8, kHalfMisfit = 8, kLeastMisfit = 1;
 constexpr float kMostSpread_m = 0.16F, kMostFirstLight = 0.32F;
@@ -25,14 +27,15 @@ constexpr float kShareOfCorrection = 0.33F;
 
 }  // namespace
 
-/// Neighbours that agree, and the distance from the centre of projection.
+/// Judges the pixels of a row by their neighbours, and computes the distance from the centre of
+/// projection.
 void PhaseDecoder::judge_row(int y, PhaseDepth& out) {
   Row sum, weights, agree, beside;
   const float *way = way_m_.row(y), *variance = variance_m2_.row(y);
   const PixelState* own = state_.row(y);
   for (std::size_t x = 0; x < kColumns; ++x) {
     weights[x] = 1 / variance[x];
-    sum[x] = 0;  // of differences to the pixel's own value, for few digits are lost then
+    sum[x] = 0;  // of differences to the pixel's own value, which loses few digits
     agree[x] = beside[x] = 0;
   }
   for (int v = std::max(0, y - 1); v <= std::min(size_.height - 1, y + 1); ++v)
@@ -76,7 +79,7 @@ void PhaseDecoder::judge_row(int y, PhaseDepth& out) {
     distance[x] = measured && r > 0 ? r : 0.0F;
     sigma[x] = measured ? std::sqrt(smoothing_ ? 1 / weights[x] : variance[x]) : 0.0F;
     amplitude[x] = std::min(65535.0F, kAmplitudePerLight * light[x]);
-    // Above a half by how far it is from every limit, below by how far beyond the worst.
+    // Above 0.5 by the distance to the nearest limit, below by the excess over the worst.
     const float worst =
         std::max(misfit[x] / (kMostBounced * kMostMisfit), kLeastMargin / (margin[x] + 1e-6F));
     const float good = 1 - 0.5F * std::min(worst, 1.0F), bad = 0.49F / std::max(worst, 1.0F);
@@ -90,7 +93,7 @@ struct PhaseDecoder::SurfaceMeans {
   Row count, fine_m, coarse_m, spread_m, fine_light, first_light;
 };
 
-/// Step 5.
+/// Step 5: corrects multipath.
 void PhaseDecoder::correct_bounced(PhaseDepth& out) const {
   constexpr std::size_t kSums = 6;
   const std::array<const Image<float>*, kSums> images{&surface_,  &fine_m_,     &coarse_m_,

@@ -8,14 +8,14 @@
 namespace mixrig::depth {
 namespace {
 
-/// Gaussian weight of a difference; a sigma of 0 lets only equals count.
+/// Returns the Gaussian weight of a difference; with a sigma of 0 only equal values count.
 double weight(double difference, double sigma) {
   if (sigma <= 0) return difference == 0 ? 1 : 0;
   const double scaled = difference / sigma;
   return std::exp(-0.5 * scaled * scaled);
 }
 
-/// Weights over the distance in the picture, row by row, of every pixel of the window.
+/// Returns the spatial weights, row by row, of every pixel of the window.
 std::vector<double> spatial_weights(Window window) {
   std::vector<double> weights;
   for (int y = -window.radius_px; y <= window.radius_px; ++y)
@@ -40,8 +40,8 @@ void for_known(ImageView<const float> depth_m, Window window, int x, int y, cons
       if (const float near = depth_m.row(v)[u]; near > 0) use(u, v, near);
 }
 
-/// Weighted mean of the window of each known pixel, or of each pixel to `fill`. `weigh(x, y,
-/// u, v, depth)` is the weight of (u, v) for (x, y).
+/// Computes the weighted mean of the window of each known pixel, or of each pixel with `fill`.
+/// `weigh(x, y, u, v, depth)` is the weight of (u, v) for (x, y).
 template <typename Weigh>
 void weighted(ImageView<const float> depth_m, Window window, bool fill, const Weigh& weigh,
               ImageView<float> out) {

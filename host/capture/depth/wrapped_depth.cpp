@@ -8,8 +8,8 @@
 namespace mixrig::depth {
 namespace {
 
-constexpr int kSampled_px = 5;            ///< each way
-constexpr std::size_t kLeastSample = 50;  ///< of fewer the median says nothing of a room
+constexpr int kSampled_px = 5;            ///< step between sampled pixels in x and y
+constexpr std::size_t kLeastSample = 50;  ///< a smaller sample has no useful median
 
 }  // namespace
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth whose light came from farther away than the camera says.
+// Finds depth that phase wrap made too near.
 #pragma once
 
 #include <vector>
@@ -9,24 +9,25 @@
 
 namespace mixrig::depth {
 
-/// A ToF camera measures distances modulo its unambiguous range. What is beyond it, and what a
-/// mirror shows, comes out too near, but the light is weak as from the true distance: amplitude
-/// times squared distance, the reflectivity that a surface would have there, is a few hundredths of
-/// that of the room (the amplitude test of McClure et al. 2010, "Resolving depth-measurement
-/// ambiguity with commercially available range imaging cameras"). The median of the picture is the
-/// measure. Black things are above that share; where they are not, their depth is lost. What wraps
-/// to little less than its true distance stays.
+/// A ToF camera measures distances modulo its unambiguous range. Surfaces beyond it, and those seen
+/// in a mirror, appear too near, but with the weak light of their true distance: amplitude times
+/// squared distance, the reflectivity that a surface at the measured distance would have, is a few
+/// hundredths of the room's (the amplitude test of McClure et al. 2010, "Resolving
+/// depth-measurement ambiguity with commercially available range imaging cameras"). It is compared
+/// with the median of the picture. Black surfaces mostly lie above that share; otherwise their
+/// depth is lost. Depth that wraps to slightly less than its true distance is not found.
 /// Not thread-safe.
 class WrappedDepth {
  public:
-  /// Of the median reflectivity: what the mirror of the studio shows to a kinect2 is below, black
-  /// clothes in a dark room are hardly (docs/reference/studio.md).
+  /// Depth whose reflectivity is below this share of the median is wrapped. A mirror of the studio,
+  /// seen by a kinect2, is below it; black clothes in a dark room hardly ever are
+  /// (docs/reference/studio.md).
   static constexpr float kLeastShare = 0.03F;
 
   /// `depth_is_distance`: depth is along the ray, not along z.
   WrappedDepth(const geometry::CameraModel& tof, bool depth_is_distance);
 
-  /// Makes such depths unknown (0) in place and says how many there were. Allocates nothing.
+  /// Sets wrapped depths to unknown (0) in place and returns their number. Allocates nothing.
   /// Precondition: pictures of the camera's size.
   int remove(ImageView<float> depth_m, ImageView<const float> amplitude);
 

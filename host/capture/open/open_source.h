@@ -19,42 +19,44 @@
 
 namespace mixrig::session {
 
-/// Opens "take:DIR" or a source of `kinds`. Errors: kUsage for another URI; kUnsupported for one of
-/// an extra that is left out; those of the take and of the kind.
+/// Opens "take:DIR" or a source of `kinds`. Errors: kUsage for another URI; kUnsupported for that
+/// of an extra that is left out; those of the take and of the kind.
 Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& uri,
                                                             const SourceKinds& kinds = {});
 
-/// How recordings are played as devices.
+/// Options for recordings played as devices.
 struct PlayOptions {
-  bool preload = false;  ///< they are read into memory first
-  int frames = 0;        ///< they are repeated until they have so many; 0: once
+  bool preload = false;  ///< read them into memory first
+  int frames = 0;        ///< repeat them up to this number of frames; 0: play once
 };
 
-/// Opens the recordings that devices of a rig play, take: and the sources of `kinds`, as `play`
-/// says. An entry that cannot be opened holds the error.
+/// Opens the recordings that devices of a rig play, take: and the sources of `kinds`, with the
+/// options `play`. An entry that cannot be opened holds the error.
 std::vector<live::Recording> open_recordings(const live::RigConfig& rig,
                                              const SourceKinds& kinds = {}, PlayOptions play = {});
 
-/// Opens the devices of a rig: those of the core, those of `kinds`, and its recordings.
+/// Makes the opener of a rig's devices: devices of the core and of `kinds`, and the rig's
+/// recordings.
 live::DeviceOpener device_opener(const live::RigConfig& rig, const SourceKinds& kinds, Clock& clock,
                                  PlayOptions play = {});
 
-/// All but the first camera and, where wanted, the one named "fisheye".
+/// Removes all cameras but the first and, if `keep_fisheye`, the one named "fisheye".
 void leave_out_cameras(live::RigConfig& rig, bool keep_fisheye);
 
-/// The part of a rig that a scene uses: the first camera, the fisheye of pose = "tracker", the
-/// depth camera, the head unless the pose comes from elsewhere (a fixed pose watches it), and the
-/// trigger if it fires one of the cameras. Other cameras are not opened.
+/// Returns the part of a rig that a scene uses: the first camera, the fisheye of pose = "tracker",
+/// the depth camera, the head unless the pose comes from elsewhere (a fixed pose watches it), and
+/// the trigger if it fires one of the cameras. Other cameras are not opened.
 live::RigConfig used_by(const scene::Scene& scene, live::RigConfig rig);
 
-/// `rig`, without its trigger where that fires none of its cameras.
+/// Returns `rig` without its trigger if that fires none of its cameras.
 live::RigConfig without_idle_trigger(live::RigConfig rig);
 
-/// Opens the devices of rig.toml that the scene uses; a camera that is lost does not end it
-/// (live::WhenLost::kGoOn). `lends`: the first camera may lend its buffers, as
-/// device::StreamRequest says. `settings` and `running` as in live::make_live_source. `stop` and
-/// `clock` must outlive the source. Errors: those of rig.toml and of the devices; kUsage without a
-/// camera or a depth camera, kFormat without the head or the fisheye that the scene's pose needs.
+/// Opens the devices of rig.toml that the scene uses; a lost camera does not end it
+/// (live::WhenLost::kGoOn). `lends`: the first camera may lend its buffers
+/// (device::StreamRequest::lends). For `settings` and `running` see live::make_live_source().
+/// `stop` and `clock` must outlive the source. Errors: those of rig.toml and of the devices; kUsage
+/// without a camera or a depth camera, kFormat without the head or the fisheye that the scene's
+/// pose needs.
 Result<std::unique_ptr<capture::CaptureSource>> open_rig(
     const std::filesystem::path& rig_toml, const scene::Scene& scene, const std::atomic<bool>& stop,
     Clock& clock, const SourceKinds& kinds = {}, PlayOptions play = {},

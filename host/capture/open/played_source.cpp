@@ -21,7 +21,7 @@ class PlayedSource final : public capture::CaptureSource {
     MIXRIG_ASSIGN(const bool there, source_->read((number - 1) % frames_ + 1, capture));
     if (!there) return false;
     const HostTime now = clock_.now();
-    // One that was read late does not make the next ones hurry.
+    // After a late read the next captures are not sped up.
     due_ = now > due_ + period_ ? now : due_ + period_;
     clock_.sleep_until(due_);
     capture.number = number;

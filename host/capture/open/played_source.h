@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A recording that is played as if its devices delivered it now.
+// Plays a recording as if its devices delivered it live.
 #pragma once
 
 #include <memory>
@@ -9,9 +9,9 @@
 
 namespace mixrig::session {
 
-/// The captures of `source` at its rate (25 Hz where that is unknown), again and again: after the
-/// last the first. mid_exposure is the time at which each is delivered. It has no truth.
-/// Precondition: the source has frames. `clock` outlives it.
+/// Returns a source that delivers the captures of `source` at its rate (25 Hz if unknown) and
+/// repeats them without end. mid_exposure is the time at which a capture is delivered. It has no
+/// truth. Precondition: the source has frames. `clock` must outlive it.
 std::unique_ptr<capture::CaptureSource> played(std::unique_ptr<capture::CaptureSource> source,
                                                Clock& clock);
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What this build can open beside takes and the devices of the core: tables of its extras, which
-// host/tools makes and passes down.
+// Sources and devices of the extras in this build: tables that host/tools makes and passes down.
 #pragma once
 
 #include <memory>
@@ -17,9 +16,9 @@ namespace mixrig::session {
 /// A kind of recording by the scheme of its URIs, "studio" of studio:walk,7.
 struct SourceKind {
   std::string_view scheme;
-  std::string_view uri;  ///< how it is written, for errors
-  /// `options`: the URI behind its scheme and colon. Null: the extra of the name `scheme` is left
-  /// out of this build.
+  std::string_view uri;  ///< form of the URI, for errors
+  /// Opens a source; `options` is the URI after its scheme and colon. Null: the extra named
+  /// `scheme` is left out of this build.
   Result<std::unique_ptr<capture::CaptureSource>> (*open)(const std::string& options) = nullptr;
 };
 

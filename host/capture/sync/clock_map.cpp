@@ -75,7 +75,7 @@ bool ClockMap::fit() {
   return true;
 }
 
-/// The polygon of all lines within the bounds; false where there is none.
+/// Makes the polygon of all lines within the bounds; false if there is none.
 bool ClockMap::fit_bounds() {
   double low_s = span(0).low.low_s, high_s = span(0).high.high_s, reach_s = 1;
   for (int i = 0; i < count_; ++i) {

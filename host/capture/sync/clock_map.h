@@ -10,23 +10,24 @@
 
 namespace mixrig::sync {
 
-/// In every round trip the controller read its clock after the request was sent and before the
-/// answer was received: two bounds of the offset. Lines (offset, drift) that satisfy all bounds
-/// form a convex polygon; the estimate is its centroid. Only the shortest delays of each direction
-/// limit the polygon; longer ones, however long, do not change it, so the estimate is robust
-/// without weights. Each second keeps its two tightest bounds, for kSpans seconds. The bounds hold
-/// for any delays; the centroid assumes that the shortest delays of both directions are equal.
-/// Nothing allocates. One thread.
+/// A map from controller time to host time. In every round trip the controller read its clock after
+/// the request was sent and before the answer was received: two bounds of the offset. Lines
+/// (offset, drift) that satisfy all bounds form a convex polygon; the estimate is its centroid.
+/// Only the shortest delays of each direction limit the polygon; longer ones do not change it, so
+/// the estimate is robust without weights. Each second keeps its two tightest bounds, for kSpans
+/// seconds. The bounds hold for any delays; the centroid assumes that the shortest delays of both
+/// directions are equal. Nothing allocates. One thread.
 class ClockMap {
  public:
   enum class Verdict {
     kOk,
     kRestarted,  ///< no line fits any more: all earlier samples were dropped
   };
-  /// The controller read `mcu`, in whole microseconds, between `sent` and `received`.
+  /// Adds a round trip: the controller read `mcu`, in whole microseconds, between `sent` and
+  /// `received`.
   Verdict add(McuTime mcu, HostTime sent, HostTime received);
 
-  /// Empty before the first sample.
+  /// Returns the host time; empty before the first sample.
   std::optional<HostTime> to_host(McuTime mcu) const;
   /// Largest possible error of to_host(mcu), if the drift is constant over the window.
   std::optional<Duration> bound(McuTime mcu) const;
@@ -64,7 +65,8 @@ class ClockMap {
 
   std::array<Span, kSpans> spans_{};
   int first_ = 0, count_ = 0;
-  std::array<Line, kCorners> corners_{};  ///< of the polygon, slopes and offsets at pivot_s_
+  /// Corners of the polygon: slopes, and offsets at pivot_s_.
+  std::array<Line, kCorners> corners_{};
   int corner_count_ = 0;
   double pivot_s_ = 0;  ///< middle of the window: offsets in corners_ and line_ are taken there
   McuTime first_mcu_{}, last_mcu_{};

@@ -15,7 +15,7 @@ constexpr double kJump_s = 0.5;         // longer than any delay of a live strea
 constexpr int kOutliersToRestart = 3;
 constexpr double kLargestDrift = 5e-3;  // 5000 ppm: stamps that drift more are unusable
 constexpr int kRounds = 4;
-constexpr int kFewest = 10;  // points of a line
+constexpr int kFewest = 10;  // fewest points for a line
 
 }  // namespace
 
@@ -92,7 +92,7 @@ void DeviceClock::thin_out() {
   span_s_ = std::min(2 * span_s_, kLongestSpan_s);
 }
 
-/// Least squares with Tukey's weights; the scale is the median absolute residual.
+/// Fits the line by least squares with Tukey's weights; the scale is the median absolute residual.
 void DeviceClock::fit() {
   const auto n = static_cast<std::size_t>(count_);
   std::array<double, kPoints> scratch;
@@ -114,8 +114,7 @@ void DeviceClock::fit() {
     }
     const double spread = xx * w - x * x;
     if (w <= 0) break;
-    if (spread > 1e-9)
-      slope = std::clamp((xy * w - x * y) / spread, -kLargestDrift, kLargestDrift);
+    if (spread > 1e-9) slope = std::clamp((xy * w - x * y) / spread, -kLargestDrift, kLargestDrift);
     offset = (y - slope * x) / w;
   }
   offset_s_ = offset;

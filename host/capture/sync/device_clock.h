@@ -11,24 +11,24 @@
 namespace mixrig::sync {
 
 /// Arrival = stamp + offset + drift + delay, where the delay is never less than a constant and
-/// often close to it. The least delay of every short span is kept, and a robust line is fitted
-/// to those (as in Moon, Skelly and Towsley, "Estimation and removal of clock skew from
-/// network delay measurements", 1999, with a robust fit in place of the convex hull). The first
-/// points are too few for a line: until there are ten, the offset is the least delay of all.
-/// The constant part of the delay is not observable from stamps; the user of this class has to
-/// measure it. Nothing allocates. One thread.
+/// often close to it. The least delay of every short span is kept, and a robust line is fitted to
+/// these delays (Moon, Skelly and Towsley, "Estimation and removal of clock skew from network delay
+/// measurements", 1999, with a robust fit in place of the convex hull). The first points are too
+/// few for a line: until there are ten, the offset is the least delay of all. The constant part of
+/// the delay is not observable from stamps; the user of this class has to measure it. Nothing
+/// allocates. One thread.
 class DeviceClock {
  public:
   enum class Verdict {
     kOk,
     kRestarted,  ///< the device's clock jumped: all earlier samples were dropped
   };
-  /// One frame: its stamp by the device's clock and the time of its arrival.
+  /// Adds a frame: its stamp by the device's clock and the time of its arrival.
   Verdict add(DeviceTime stamp, HostTime received);
 
   /// Host time of a device stamp plus the least delay; empty before the first sample.
   std::optional<HostTime> to_host(DeviceTime stamp) const;
-  /// (host rate / device rate - 1) * 1e6; 0 for the first second.
+  /// (host rate / device rate - 1) * 1e6; 0 during the first second.
   double drift_ppm() const { return slope_ * 1e6; }
   /// Scatter of the kept delays around the line, standard deviation by MAD.
   Duration jitter() const { return jitter_; }

@@ -38,7 +38,8 @@ std::optional<EdgeTicks::Made> EdgeTicks::add(HostTime at) {
   return Made{tick, restarted};
 }
 
-/// Number by the master's reported ticks, if the newest one is not older than kSilence.
+/// Returns the tick number by the master's reported ticks, if the newest one is not older than
+/// kSilence.
 std::optional<double> EdgeTicks::master_number(HostTime tick_at) const {
   const auto newest = master_ticks_.newest();
   if (!newest) return std::nullopt;
@@ -47,7 +48,7 @@ std::optional<double> EdgeTicks::master_number(HostTime tick_at) const {
   return master_ticks_.number_at(tick_at);
 }
 
-/// The nearest one of the ticks that fire the line.
+/// Returns the nearest of the ticks that fire the line.
 std::uint64_t EdgeTicks::nearest(double number) const {
   const double tick =
       std::round((number - line_.phase) / line_.divider) * line_.divider + line_.phase;

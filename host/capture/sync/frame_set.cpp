@@ -71,8 +71,9 @@ void FrameSetBuilder::emit_first() {
   sink_(set);
 }
 
-/// Of frames equally many ticks away, as those of a stream that is fired half a period apart, the
-/// one exposed nearer in time; the earlier where that is equal too.
+/// Picks the stream's frame with the fewest ticks to the leading one. Of frames equally many ticks
+/// away, such as those of a stream that fires half a period apart, it takes the one exposed nearer
+/// in time, then the earlier one.
 void FrameSetBuilder::pick(const Stream& stream, const TimedFrame& leading,
                            TimedFrame& into) const {
   const auto ticks_to = [&](const TimedFrame& frame) {

@@ -22,7 +22,7 @@ struct TimedFrame {
   HostTime mid_exposure{};
 };
 
-/// Frames of one moment: stream 0 leads; of the others the frame nearest to it, or none.
+/// Frames of one moment: stream 0 leads; each other stream has the frame nearest to it, or none.
 struct FrameSet {
   std::uint64_t tick = 0;
   std::array<TimedFrame, kMaxStreams> frames;
@@ -31,7 +31,7 @@ struct FrameSet {
 
 using FrameSetSink = std::function<void(const FrameSet&)>;
 
-/// How a stream joins the leading one.
+/// How a stream is joined to the leading one.
 struct Join {
   int farthest_ticks = 0;  ///< largest distance of its frame from the leading one
   /// A set waits until the stream has reached its tick. False for slower streams: sets would
@@ -48,11 +48,11 @@ class FrameSetBuilder {
   /// One entry per stream; entry 0, the leading stream, is not used.
   FrameSetBuilder(std::span<const Join> streams, FrameSetSink sink);
 
-  /// Accepts a frame whose pairing is usable; others are refused and counted.
+  /// Adds a frame; one whose pairing is not usable is refused and counted.
   void add(std::size_t stream, TimedFrame frame);
   /// Emits the waiting sets.
   void flush();
-  /// Emits the waiting sets and drops all other frames: tick numbers start again.
+  /// Emits the waiting sets and drops all other frames, since tick numbers restart.
   void restart();
 
   std::uint64_t sets() const { return sets_; }

@@ -137,7 +137,8 @@ Pairing FramePairer::pair_locked(std::uint64_t sequence, std::optional<double> b
   return handle_contradiction(pairing, sequence, *by_time, period_s);
 }
 
-/// A single frame may be late; if the next one contradicts as well, the offset has changed.
+/// Handles a frame whose counter and time disagree. A single frame may be late; if the next one
+/// contradicts as well, the offset has changed.
 Pairing FramePairer::handle_contradiction(Pairing pairing, std::uint64_t sequence, double by_time,
                                           double period_s) {
   if (++disagreeing_ == 1) {
@@ -170,8 +171,8 @@ Pairing FramePairer::lock(std::uint64_t sequence, double by_time, double period_
           .residual = Duration(std::llround((by_time - tick) * period_s * 1e9))};
 }
 
-/// False when the counter was seen before. A counter far behind, or repeated counters of several
-/// frames, are not late frames: the camera has restarted its counter.
+/// Notes a counter; false if it was seen already. A counter far behind, or repeated counters of
+/// several frames, are not late frames: the camera has restarted its counter.
 bool FramePairer::note_counter(std::uint64_t sequence) {
   const bool known = has_counter_ && sequence <= newest_ && newest_ - sequence < kWindow &&
                      (seen_ & 1ULL << (newest_ - sequence)) != 0;

@@ -17,21 +17,23 @@ struct Tick {
   HostTime at{};
 };
 
-/// The last ticks; missing ones are interpolated. Sequences rise; a tick that is not newer than the
-/// last one means that the master restarted, and the older ones are dropped.
+/// The last kKept ticks; missing ones are interpolated. Sequences rise; a tick that is not newer
+/// than the last one means that the master restarted, and the older ones are dropped.
 class TickHistory {
  public:
   explicit TickHistory(Duration nominal_period) : period_s_(seconds(nominal_period)) {}
   void add(Tick tick);
-  /// Drops all ticks: their numbers start again.
+  /// Drops all ticks, since their numbers restart.
   void clear() { begin_ = count_ = 0; }
 
-  /// Fractional tick number at a time; empty when the nearest known tick is half a second away.
+  /// Returns the fractional tick number at a time; empty if the nearest known tick is half a second
+  /// away.
   std::optional<double> number_at(HostTime at) const;
-  /// Time of a tick, reported or interpolated; empty as above.
+  /// Returns the time of a tick, reported or interpolated; empty if the nearest known tick is half
+  /// a second away.
   std::optional<HostTime> time_of(std::uint64_t sequence) const;
   bool empty() const { return count_ == 0; }
-  /// Number of the last one; empty before the first.
+  /// Returns the number of the last tick; empty before the first.
   std::optional<std::uint64_t> newest() const {
     return count_ > 0 ? std::optional(kept(count_ - 1).sequence) : std::nullopt;
   }
@@ -48,10 +50,10 @@ class TickHistory {
   std::uint64_t lost_ = 0, restarts_ = 0;
 };
 
-/// How the master triggers a stream. divider 0: it runs free and is only stamped.
+/// How the master triggers a stream. With divider 0 it runs free and is only stamped.
 struct StreamTiming {
   int divider = 4;   ///< ticks per frame
-  int phase = 0;     ///< it is triggered by tick numbers that are phase mod divider
+  int phase = 0;     ///< triggered by ticks with number mod divider == phase
   Duration delay{};  ///< from the tick to the stamp of the frame: exposure, transport
 };
 
@@ -59,8 +61,8 @@ enum class PairStatus {
   kPaired,     ///< counter and time agree
   kLate,       ///< counter and time contradict each other: late, or a trigger was missed
   kReordered,  ///< paired by its counter; a later frame came first
-  kDuplicate,  ///< the counter was seen before: drop it
-  kLocking,    ///< the offset of ticks to counter is not known yet: do not use it
+  kDuplicate,  ///< the counter was seen already: drop it
+  kLocking,    ///< the offset of ticks to counter is still unknown: do not use it
   kNoTick,     ///< no tick is known near its time
 };
 inline constexpr int kPairStatuses = 6;
@@ -77,7 +79,7 @@ struct Pairing {
 struct PairingCounts {
   std::array<std::uint64_t, kPairStatuses> by_status{};
   std::uint64_t missing = 0;       ///< ticks of this stream that have no frame
-  std::uint64_t clock_doubts = 0;  ///< frames whose stamp handle_contradiction counter and arrival
+  std::uint64_t clock_doubts = 0;  ///< frames whose stamp contradicts counter and arrival
   std::uint64_t relocks = 0;       ///< times the offset of ticks to counter was lost
   std::uint64_t of(PairStatus status) const { return by_status[static_cast<std::size_t>(status)]; }
 };
@@ -94,11 +96,11 @@ class FramePairer {
   /// `sequence` is the camera's counter, `at` the frame's stamp in host time, `received` the time
   /// of its arrival.
   Pairing pair(const TickHistory& ticks, std::uint64_t sequence, HostTime at, HostTime received);
-  /// A camera without a clock.
+  /// Pairs a frame of a camera without a clock, by its time of arrival `at`.
   Pairing pair(const TickHistory& ticks, std::uint64_t sequence, HostTime at) {
     return pair(ticks, sequence, at, at);
   }
-  /// The device was reopened: its counter starts again.
+  /// Call it when the device was reopened: its counter restarts.
   void restart();
   const PairingCounts& counts() const { return counts_; }
 
@@ -120,7 +122,7 @@ class FramePairer {
   std::optional<double> transport_ticks_;  ///< mean time from tick to arrival, since the lock
   int agreeing_ = 0, disagreeing_ = 0, repeats_ = 0;
   bool has_counter_ = false;
-  std::uint64_t newest_ = 0;  ///< largest counter
+  std::uint64_t newest_ = 0;  ///< largest counter so far
   std::uint64_t seen_ = 0;    ///< bit k: counter newest_ - k was seen
 };
 

@@ -16,7 +16,8 @@ std::optional<device::PanTiltAngles> PanTiltTrack::at(HostTime time) const {
 
 void PanTiltTrack::Axis::add(Point point) {
   if (count_ > 0 && point.at <= kept(count_ - 1).at) return;
-  // A unit that answers thousands of times a second must not push out what is some frames old.
+  // A unit that answers thousands of times a second must not displace positions that are a few
+  // frames old.
   if (count_ >= 2 && kept(count_ - 1).rad == point.rad && kept(count_ - 2).rad == point.rad &&
       point.at - kept(count_ - 2).at < kSpacing) {
     points_[(begin_ + count_ - 1) % kKept].at = point.at;

@@ -10,19 +10,21 @@
 
 namespace mixrig::sync {
 
-/// The last positions of both axes, each with its own time. Nothing allocates. One thread.
+/// The last positions of both axes, each with its own time. Nothing allocates. For one thread.
 class PanTiltTrack {
  public:
   void add(const device::PanTiltSample& sample);
-  /// Linear between neighbouring samples of each axis, different ones at most `kHold` apart. After
-  /// the newest one the head is assumed to stand still if its last two positions are equal and at
-  /// most `kHold` old; empty in every other case: nobody knows how the head moved.
+  /// Interpolates linearly between neighbouring samples of each axis; samples that differ must be
+  /// at most kHold apart. After the newest sample the head is assumed to stand still if its last
+  /// two positions are equal and at most kHold old. Empty in every other case, since the motion is
+  /// unknown.
   std::optional<device::PanTiltAngles> at(HostTime time) const;
   static constexpr Duration kHold = std::chrono::milliseconds(500);
 
  private:
   static constexpr std::size_t kKept = 128;
-  static constexpr Duration kSpacing = std::chrono::milliseconds(5);  ///< of equal positions
+  /// Equal positions closer in time are merged.
+  static constexpr Duration kSpacing = std::chrono::milliseconds(5);
   struct Point {
     HostTime at{};
     double rad = 0;

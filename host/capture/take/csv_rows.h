@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows of comma-separated tables. Private to this module.
+// Reads rows of comma-separated tables. Private to this module.
 #pragma once
 
 #include <charconv>
@@ -13,7 +13,7 @@
 
 namespace mixrig::take {
 
-/// At most `most` cells.
+/// Splits a line into cells, at most `most`.
 inline std::vector<std::string_view> cells_of(std::string_view line, std::size_t most) {
   std::vector<std::string_view> cells;
   while (cells.size() < most) {
@@ -32,7 +32,8 @@ bool parse_cell(std::string_view cell, Number& value) {
   return fault == std::errc() && stop == end && !cell.empty();
 }
 
-/// Calls `row(cells)` for each line after the header; a line where it returns false is an error.
+/// Calls `row(cells)` for each line after the header; a line for which it returns false is an
+/// error.
 template <typename Row>
 Result<void> for_each_row(std::string_view text, const std::string& name, std::size_t columns,
                           Row&& row) {

@@ -31,7 +31,7 @@ Result<void> make_grown_folder(const fs::path& path) {
   return system_error(ErrorCode::kIo, "cannot make folder '" + path.string() + "'", error.value());
 }
 
-/// The first `count` lines of a text.
+/// Returns the first `count` lines of a text.
 std::string first_lines(const std::string& text, int count) {
   std::size_t end = 0;
   for (int i = 0; i < count && end < text.size(); ++i) {
@@ -43,10 +43,10 @@ std::string first_lines(const std::string& text, int count) {
 
 }  // namespace
 
-/// What grows with each frame.
+/// Tables that grow with each frame.
 struct GrownTables {
   std::string angles = kAnglesHead;                       ///< pan_tilt.csv
-  std::string ticks = kTicksHeader;                       ///< ticks.csv, with a fisheye
+  std::string ticks = kTicksHeader;                       ///< ticks.csv, only with a fisheye
   std::string fisheye = kFisheyeHeader;                   ///< fisheye.csv
   std::vector<BracketRow> bracket;                        ///< bracket.csv
   HostTime last_frame{}, last_picture = HostTime::min();  ///< mid-exposures
@@ -57,7 +57,7 @@ struct GrowingTake::State {
   fs::path folder;
   TakeInfo info;
   GrownTables grown;
-  Duration shift{};  ///< of the times of a take that is continued
+  Duration shift{};  ///< added to the times if a take is continued
   bool continued = false;
   Image<std::uint16_t> steps;
   bool lit = false;  ///< its frames have amplitudes
@@ -88,7 +88,7 @@ Result<void> GrowingTake::State::begin() {
   return copy_calibration();
 }
 
-/// Rows of frames that the manifest does not count are dropped.
+/// Reads the existing take. Rows of frames that the manifest does not count are dropped.
 Result<void> GrowingTake::State::resume() {
   MIXRIG_ASSIGN(const TakeReader reader, TakeReader::open(folder));
   grown.frames = reader.info().frames;
@@ -102,7 +102,7 @@ Result<void> GrowingTake::State::resume() {
   return copy_calibration();
 }
 
-/// A take that had no fisheye gets one.
+/// Reads the existing fisheye stream, or begins one.
 Result<void> GrowingTake::State::resume_fisheye(const TakeInfo& read) {
   MIXRIG_TRY(make_grown_folder(folder / "fisheye"));
   if (!read.fisheye) return {};
@@ -137,7 +137,7 @@ Result<void> GrowingTake::State::write_frame(const capture::Capture& frame,
   return image_io::write_png(path("amplitude"), std::as_const(steps).view());
 }
 
-/// The frame's time, and its fisheye's picture if that is new.
+/// Writes the frame's time, and its fisheye's picture if that is new.
 Result<void> GrowingTake::State::write_fisheye(const capture::Capture& frame, GrownTables& into) {
   if (continued) shift = into.last_frame + kBreak - frame.mid_exposure;
   continued = false;
@@ -151,7 +151,7 @@ Result<void> GrowingTake::State::write_fisheye(const capture::Capture& frame, Gr
                              frame.fisheye.view());
 }
 
-/// Of the view whose frames were the last ones.
+/// Writes the plates of the view whose frames were the last ones.
 Result<void> GrowingTake::State::write_bracket(std::span<const capture::BracketPlate> bracket,
                                                GrownTables& into) {
   for (const capture::BracketPlate& plate : bracket) {

@@ -48,7 +48,7 @@ capture::DepthKind read_kind(const Table& table) {
   return static_cast<capture::DepthKind>(table.one_of("kind", {"z", "distance"}, 0));
 }
 
-/// [depth2], [amplitude2], [tof2] and [target_from_tof2].
+/// Reads [depth2], [amplitude2], [tof2] and [target_from_tof2].
 void read_second_depth(const Table& root, TakeInfo& info) {
   const Table table = root.table("depth2"), amplitude = root.table("amplitude2");
   const Table model = root.table("tof2"), pose = root.table("target_from_tof2");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// take.toml to and from TakeInfo. Private to this module.
+// Reads and writes take.toml as TakeInfo. Private to this module.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace mixrig::take {
 
-/// What take.toml says; `info.frames` is set by the reader of the streams.
+/// Content of take.toml; the reader of the streams sets `info.frames`.
 struct Manifest {
   TakeInfo info;
   std::string pose_file;                     ///< empty where there is none
@@ -19,15 +19,15 @@ struct Manifest {
   std::string truth_path;                    ///< empty where there is none
 };
 
-/// A list "stamp file" of a TUM folder in place of numbered pictures.
+/// Whether the stream is a list "stamp file" of a TUM folder, not numbered pictures.
 bool is_list(const StreamInfo& stream);
 bool is_matroska(const StreamInfo& stream);
 
-/// Parses the text of a manifest; `path` is where it lies. Pure but for the environment.
+/// Parses the text of a manifest; `path` is its path. Pure but for the environment.
 /// Errors: kFormat (file:line: key ...).
 Result<Manifest> parse_manifest(std::string_view text, const std::filesystem::path& path);
 
-/// The manifest as text, its streams below root ".".
+/// Returns the manifest as text, its streams below root ".".
 std::string manifest_text(const TakeInfo& info);
 
 }  // namespace mixrig::take

@@ -55,7 +55,7 @@ Writer target_table(const TakeInfo& info) {
   return table;
 }
 
-/// With a matrix, as takes have always had it: a quaternion would read back with other last bits.
+/// Writes the pose as a matrix: a quaternion would read back with different last bits.
 Writer pose_table(const geometry::Pose& pose) {
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rotation = pose.rotation.toRotationMatrix();
   Writer table;
@@ -70,7 +70,7 @@ Writer truth_table(const TakeInfo& info) {
   return table;
 }
 
-/// Streams of a second depth camera.
+/// Writes the streams of a second depth camera.
 void add_second_depth(const TakeInfo& info, Writer& root) {
   const capture::SecondDepthCamera& camera = *info.tof2;
   Writer table = stream_table(info.depth2->depth);

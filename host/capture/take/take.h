@@ -21,7 +21,7 @@ struct StreamInfo {
   int first = 1;  ///< number in the first file's name
   int count = 0;
   double rate_hz = 0;  ///< 0 where unknown
-  double delay_s = 0;  ///< of depth: its mid-exposure after that of colour
+  double delay_s = 0;  ///< depth only: its mid-exposure minus that of colour
   bool operator==(const StreamInfo&) const = default;
 };
 
@@ -37,7 +37,7 @@ struct TakeInfo : capture::SourceInfo {
   std::filesystem::path root;  ///< folder that stream paths are relative to
   StreamInfo color, depth;
   std::optional<StreamInfo> amplitude;
-  std::optional<StreamInfo> fisheye;        ///< at its own rate; its stamps are in fisheye.csv
+  std::optional<StreamInfo> fisheye;        ///< has its own rate; its stamps are in fisheye.csv
   std::optional<SecondDepthStream> depth2;  ///< only with tof2, and tof2 only with it
   int depth_unknown = 0;
   std::string raw_depth;  ///< "kinect2": the stream `depth` holds raw frames; empty: pictures
@@ -47,18 +47,20 @@ struct TakeInfo : capture::SourceInfo {
 /// Reads a take folder, a take.toml, or a TUM RGB-D folder. Not thread-safe.
 class TakeReader {
  public:
-  /// Errors: kNotFound, kFormat (file:line: key ...), kData (calibration, sizes, no frames).
+  /// Opens a take. Errors: kNotFound, kFormat (file:line: key ...), kData (calibration, sizes, no
+  /// frames).
   static Result<TakeReader> open(const std::filesystem::path& path);
   TakeReader(TakeReader&&) noexcept;
   TakeReader& operator=(TakeReader&&) noexcept;
   ~TakeReader();
 
   const TakeInfo& info() const;
-  /// Reads frame `number` (1..frames), reusing the memory of `frame`. Its fisheye is that of
+  /// Reads frame `number` (1..frames), reusing the memory of `frame`. Its fisheye picture follows
   /// capture::fisheye_status().
   /// Errors: kNotFound, kFormat, kData; the line names the file.
   Result<void> read(int number, capture::Capture& frame);
-  /// Reads the truth of frame `number`. Errors as read; kNotFound where the take has none.
+  /// Reads the truth of frame `number`. Errors: those of read(); kNotFound if the take has no
+  /// truth.
   Result<void> read_truth(int number, capture::Truth& truth);
 
  private:
@@ -73,21 +75,21 @@ enum class StreamFormat { kPng, kMatroska };
 /// that is destroyed before finish() leaves nothing. Not thread-safe.
 class TakeWriter {
  public:
-  /// `info` gives cameras, rig, depth units and rates; counts and paths are set by the writer; the
-  /// file of info.calibration is copied into the take.
-  /// Errors: kUsage where `folder` exists and is not a take, kIo, kNotFound.
+  /// Creates a take. `info` gives cameras, rig, depth units and rates; the writer sets counts and
+  /// paths, and copies the file info.calibration into the take.
+  /// Errors: kUsage if `folder` exists and is not a take, kIo, kNotFound.
   static Result<TakeWriter> create(const std::filesystem::path& folder, const TakeInfo& info,
                                    StreamFormat format);
   TakeWriter(TakeWriter&&) noexcept;
   TakeWriter& operator=(TakeWriter&&) noexcept;
   ~TakeWriter();
 
-  /// Of a take with raw_depth neither depth nor amplitude: the caller puts raw/%06d.bin and its
-  /// tables into staging(). The fisheye's picture only where its stamp is later than the last. What
-  /// the lens's encoders say likewise.
+  /// Writes a frame. For a take with raw_depth it writes neither depth nor amplitude: the caller
+  /// puts raw/%06d.bin and its tables into staging(). The fisheye's picture and the encoder values
+  /// of the lens are written only if their stamp is later than the last.
   Result<void> write(const capture::Capture& frame);
   Result<void> write_truth(const capture::Truth& truth);  ///< after write() of the same frame
-  /// Folder to put further files in (scene.toml, models) before finish().
+  /// Folder for further files (scene.toml, models) before finish().
   const std::filesystem::path& staging() const;
   Result<void> finish();
 

@@ -49,16 +49,18 @@ struct TumLists {
 
 struct TakeReader::State {
   Manifest manifest;
-  std::unique_ptr<PictureStream> color, depth, amplitude;  ///< depth null where it is raw
+  std::unique_ptr<PictureStream> color, depth, amplitude;  ///< depth is null if it is raw
   std::unique_ptr<PictureStream> depth2, amplitude2;       ///< null where the take has none
   std::unique_ptr<RawDepth> raw;
   std::unique_ptr<FisheyeStream> fisheye;  ///< null where the take has none
   std::vector<FrameIndex> frames;
-  std::map<int, FrameTick> ticks;                          ///< by frame number, where recorded
-  std::map<int, device::PanTiltAngles> pan_tilt;           ///< the same
-  std::vector<capture::LensSample> lens;                   ///< by time, where recorded
-  std::map<int, std::vector<capture::TruePerson>> people;  ///< true ones, by frame number
-  std::map<int, capture::TrueLens> true_lens;              ///< by frame number, where known
+  /// By frame number; empty if not recorded.
+  std::map<int, FrameTick> ticks;
+  /// By frame number; empty if not recorded.
+  std::map<int, device::PanTiltAngles> pan_tilt;
+  std::vector<capture::LensSample> lens;                   ///< by time; empty if not recorded
+  std::map<int, std::vector<capture::TruePerson>> people;  ///< true people by frame number
+  std::map<int, capture::TrueLens> true_lens;              ///< by frame number; empty if unknown
   std::shared_ptr<const capture::RigCameras> cameras;
   Image<std::uint16_t> steps;  ///< reused from frame to frame
 
@@ -126,7 +128,8 @@ Result<std::vector<StampedPose>> TakeReader::State::read_poses() {
   return parse_trajectory(text, path.string());
 }
 
-/// ticks.csv and pan_tilt.csv, which recordings of a live rig have, and those of a lens that zooms.
+/// Reads ticks.csv and pan_tilt.csv, which recordings of a live rig have, and the tables of a lens
+/// that zooms.
 Result<void> TakeReader::State::read_tables() {
   std::error_code error;
   if (const fs::path path = info().root / "ticks.csv"; fs::exists(path, error)) {
@@ -155,8 +158,8 @@ Result<void> TakeReader::State::read_tables() {
   return {};
 }
 
-/// A recording without stamped poses knows when its frames were taken: a rate would only count
-/// them.
+/// Takes the times of a recording without stamped poses from ticks.csv; a rate would only count
+/// frames.
 void TakeReader::State::take_times_from_ticks() {
   if (!manifest.pose_file.empty() || is_list(info().color)) return;
   const auto first = ticks.find(1);
@@ -167,7 +170,7 @@ void TakeReader::State::take_times_from_ticks() {
           seconds(tick.mid_exposure - first->second.mid_exposure);
 }
 
-/// All of a capture but its images.
+/// Sets everything of a capture except its images.
 void TakeReader::State::describe(int number, capture::Capture& capture) const {
   using capture::Stream;
   using capture::StreamStatus;
@@ -245,7 +248,7 @@ Result<void> TakeReader::State::index_lists(const TumLists& lists) {
   return {};
 }
 
-/// 16-bit steps (or EXR metres) as floats; `unknown` becomes 0.
+/// Reads 16-bit steps (or EXR metres) as floats; `unknown` becomes 0.
 Result<void> TakeReader::State::read_steps(PictureStream& stream, int index, const Steps& meaning,
                                            Image<float>& out) {
   if (stream.holds_float()) return stream.read(index, out);

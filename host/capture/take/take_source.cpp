@@ -8,7 +8,8 @@
 namespace mixrig::take {
 namespace {
 
-/// A picture that cannot be read is bad data of the take, not a wrong name given by the user.
+/// Turns an error into kData: a picture that cannot be read is bad data of the take, not a wrong
+/// name given by the user.
 Result<void> as_data(Result<void> result) {
   if (result) return {};
   Error error = std::move(result).error();

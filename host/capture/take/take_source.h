@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A take as a source of captures.
+// Opens a take as a source of captures.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@
 
 namespace mixrig::take {
 
-/// Opens a take folder, a take.toml, or a TUM RGB-D folder. A picture that cannot be read later is
-/// kData. Errors: those of TakeReader::open.
+/// Opens a take folder, a take.toml, or a TUM RGB-D folder. Errors: those of TakeReader::open; when
+/// read later, kData for a picture that cannot be read.
 Result<std::unique_ptr<capture::CaptureSource>> open_take_source(const std::filesystem::path& path);
 
 }  // namespace mixrig::take

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Used where no rate is known; Matroska stamps need one.
+/// Rate that is used if none is known; Matroska stamps need one.
 constexpr double kDefaultRate_hz = 25.0;
 
 Result<void> make_folder(const fs::path& path) {
@@ -117,8 +117,8 @@ Result<void> TakeWriter::State::write_text(const char* name, const std::string& 
   return system_error(ErrorCode::kIo, "cannot write '" + path.string() + "'", errno);
 }
 
-/// Each picture once, by the first frame that has it. A camera that started again may stamp one
-/// before its last: a reader refuses that.
+/// Writes each fisheye picture once, with the first frame that has it. A camera that restarted may
+/// stamp a picture before its last: it is skipped, since a reader refuses it.
 Result<void> TakeWriter::State::write_fisheye(const capture::Capture& frame) {
   if (frame.fisheye.empty() || frame.fisheye_mid_exposure <= last_fisheye) return {};
   last_fisheye = frame.fisheye_mid_exposure;
@@ -128,7 +128,8 @@ Result<void> TakeWriter::State::write_fisheye(const capture::Capture& frame) {
   return {};
 }
 
-/// All unknown in a frame without, so that frames and files have the same numbers.
+/// Writes the second depth. A frame without it gets unknown depth, so that frames and files have
+/// the same numbers.
 Result<void> TakeWriter::State::write_second_depth(const capture::DepthPicture& picture) {
   const Size size = info.tof2->model.size_px();
   const auto write = [&](const Image<float>& image, const Steps& meaning,

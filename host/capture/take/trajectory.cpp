@@ -28,7 +28,7 @@ std::optional<double> to_number(std::string_view word) {
   return value;
 }
 
-/// Calls use(line) for each line that is not blank; where it returns false, that line is an error.
+/// Calls use(line) for each line that is not blank; a line for which it returns false is an error.
 template <typename Use>
 Result<void> each_line(std::string_view text, const std::string& name, const char* wanted,
                        Use use) {

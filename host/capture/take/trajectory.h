@@ -21,16 +21,17 @@ struct StampedFile {
   std::string path;
 };
 
-/// Lines "t x y z qx qy qz qw"; '#' starts a comment. Pure. Errors: kFormat (name:line: ...) for
-/// a line that is not eight finite numbers or a quaternion whose length is off 1 by over 1 %.
+/// Parses lines "t x y z qx qy qz qw"; '#' starts a comment. Pure. Errors: kFormat (name:line: ...)
+/// for a line that is not eight finite numbers or a quaternion whose length differs from 1 by over
+/// 1 %.
 Result<std::vector<StampedPose>> parse_trajectory(std::string_view text, const std::string& name);
-/// Lines "t file". Pure. Errors as parse_trajectory.
+/// Parses lines "t file". Pure. Errors: kFormat (name:line: ...).
 Result<std::vector<StampedFile>> parse_file_list(std::string_view text, const std::string& name);
 
 std::string trajectory_line(const StampedPose& pose);
 
-/// The pose at `time_s` between its neighbours in a trajectory sorted by time; nullopt outside of
-/// it, or in a gap of more than `max_gap_s`.
+/// Interpolates the pose at `time_s` in a trajectory sorted by time; nullopt outside of it, or in a
+/// gap of more than `max_gap_s`.
 std::optional<geometry::Pose> pose_at(const std::vector<StampedPose>& trajectory, double time_s,
                                       double max_gap_s);
 

@@ -14,12 +14,12 @@ namespace mixrig::take {
 
 bool is_tum_folder(const std::filesystem::path& folder);
 
-/// The manifest of a TUM folder without take.toml: ROS' default intrinsics (525, 319.5, 239.5 at
-/// 640x480, depth registered to colour), 1/5000 m, ground truth where the folder has it.
+/// Returns the manifest of a TUM folder without take.toml: ROS' default intrinsics (525, 319.5,
+/// 239.5 at 640x480, depth registered to colour), 1/5000 m, ground truth if the folder has it.
 Manifest tum_manifest(const std::filesystem::path& folder);
 
-/// Indices of colour and depth stamps that belong together: each at most once, closest pairs
-/// first, at most `max_difference_s` apart; sorted by colour.
+/// Pairs colour and depth stamps and returns their indices: each at most once, closest pairs first,
+/// at most `max_difference_s` apart; sorted by colour.
 std::vector<std::pair<int, int>> associate(const std::vector<StampedFile>& color,
                                            const std::vector<StampedFile>& depth,
                                            double max_difference_s);

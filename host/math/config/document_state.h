@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a document and its tables share. Private to this module.
+// State that a document and its tables share. Private to this module.
 #pragma once
 
 #include <map>
@@ -15,7 +15,7 @@
 namespace mixrig::config {
 
 struct Document::State {
-  std::string name;  ///< of the file
+  std::string name;  ///< name of the file
   Node root;
   std::map<const Node*, std::set<std::string, std::less<>>>
       known;  ///< keys that were read, by table

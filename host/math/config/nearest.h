@@ -9,11 +9,12 @@
 
 namespace mixrig::config {
 
-/// Insertions, deletions and replacements that lead from a to b (Levenshtein 1966).
+/// Returns the number of insertions, deletions and replacements that lead from a to b (Levenshtein
+/// 1966).
 int edit_distance(std::string_view a, std::string_view b);
 
-/// The word of least edit distance; nullopt where every known word needs more edits than half of
-/// its length.
+/// Returns the known word with the least edit distance; nullopt if every known word needs more
+/// edits than half of its length.
 std::optional<std::string> nearest(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace mixrig::config

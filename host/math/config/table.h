@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading of TOML manifests: typed values with ranges, and one line for what is wrong.
+// Reads TOML manifests: typed values with ranges, and a one-line error.
 #pragma once
 
 #include <filesystem>
@@ -26,8 +26,8 @@ struct Node;
 class Document;
 
 /// One table of a document. Getters do not fail at once: the document notes the first thing that is
-/// wrong, the getter returns a default, and Document::finish() returns the error. A key is known
-/// once a getter has read it. Valid as long as the document. Not thread-safe.
+/// wrong, the getter returns a default, and Document::finish() returns the error. A key counts as
+/// known once a getter has read it. The document must outlive its tables. Not thread-safe.
 class Table {
  public:
   /// False for an optional table that the file does not have; getters then return defaults.
@@ -35,7 +35,7 @@ class Table {
   bool has(std::string_view key) const;
   /// True where the key is there and holds one number.
   bool is_number(std::string_view key) const;
-  /// Keys of this table in alphabetical order. They do not become known by this.
+  /// Returns the keys of this table in alphabetical order. This does not make them known.
   std::vector<std::string> keys() const;
   /// Number of elements of the array of that key; 0 where the key is absent or holds no array.
   std::size_t size_of(std::string_view key) const;
@@ -47,24 +47,24 @@ class Table {
   bool boolean_or(std::string_view key, bool fallback) const;
   std::string text(std::string_view key) const;
   std::string text_or(std::string_view key, std::string_view fallback) const;
-  /// Index of the word in `words`.
+  /// Returns the index of the key's word in `words`; `fallback` where the key is absent.
   int one_of(std::string_view key, const std::vector<std::string>& words, int fallback) const;
-  /// Between `min_count` and `max_count` numbers; where one is enough, a number without brackets is
-  /// read too.
+  /// Reads between `min_count` and `max_count` numbers. If one is enough, a number without brackets
+  /// is accepted too.
   std::vector<double> numbers(std::string_view key, std::size_t min_count, std::size_t max_count,
                               Range range = {}) const;
-  /// `rows` arrays of `columns` finite numbers, row by row.
+  /// Reads `rows` arrays of `columns` finite numbers, row by row.
   std::vector<double> matrix(std::string_view key, std::size_t rows, std::size_t columns) const;
-  /// A table that may be absent.
+  /// Returns a table that may be absent.
   Table table(std::string_view key) const;
-  /// A table that must be there.
+  /// Returns a table that must exist.
   Table required_table(std::string_view key) const;
-  /// An array of tables, [[key]]; empty where absent.
+  /// Returns an array of tables, [[key]]; empty where absent.
   std::vector<Table> tables(std::string_view key) const;
 
-  /// Notes "FILE:LINE: key "KEY": WHAT" about this key, or about the table where it lacks the key.
+  /// Notes "FILE:LINE: key "KEY": WHAT" about this key, or about the table if it lacks the key.
   void fail(std::string_view key, const std::string& what) const;
-  /// Notes the error of another room about this key.
+  /// Notes an error that another module returned about this key.
   void fail(std::string_view key, const Error& error) const;
 
  private:
@@ -81,20 +81,20 @@ class Table {
   std::string name_;  ///< dotted name in the file, empty for the root
 };
 
-/// A TOML file, which of its keys were read, and what was wrong with it.
+/// A TOML file with its read keys and its first error.
 class Document {
  public:
   /// Errors: kNotFound, kFormat (file:line).
   static Result<Document> read(const std::filesystem::path& path);
-  /// The same from text; `name` stands for the file. Pure: fuzzers call it.
+  /// Parses text; `name` stands for the file. Pure: fuzzers call it.
   static Result<Document> parse(std::string_view text, const std::string& name);
   Document(Document&&) noexcept;
   Document& operator=(Document&&) noexcept;
   ~Document();
 
   Table root();
-  /// Call when every key has been read. Errors: kFormat, the first of: a key that was not read
-  /// (with the nearest one that was), else what getters and fail() noted.
+  /// Call when every key has been read. Errors: kFormat for a key that was not read, with the
+  /// nearest known key; else the first error that getters and fail() noted.
   Result<void> finish() const;
 
  private:
@@ -108,12 +108,13 @@ class Document {
 /// brace is not closed.
 Result<std::string> expand_environment(const std::string& text);
 
-/// The file or folder that `key` names, relative to `folder`; ${NAME} is an environment variable.
-/// Empty where the key is absent from an optional table, or wrong (which is noted).
+/// Returns the file or folder that `key` names, relative to `folder`; ${NAME} is an environment
+/// variable. Empty if the key is absent from an optional table, or wrong (which is noted).
 std::filesystem::path path_at(const Table& table, std::string_view key,
                               const std::filesystem::path& folder);
 
-/// The whole text of a file of at most `max_bytes`. Errors: kNotFound, kFormat where it is larger.
+/// Returns the whole text of a file of at most `max_bytes`. Errors: kNotFound, kFormat if it is
+/// larger.
 Result<std::string> read_text(const std::filesystem::path& path, std::size_t max_bytes);
 
 }  // namespace mixrig::config

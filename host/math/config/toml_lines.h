@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A TOML file as lines: a key is changed, and the rest of the text stays as it is. Pure. Only files
-// that are written with a table's header and each key on a line of its own; who edits one reads the
-// result again.
+// A TOML file as lines: a key is changed, and the rest of the text stays as it is. Pure. Works only
+// for files with each table header and each key on a line of its own: parse the result again to
+// check it.
 #pragma once
 
 #include <cstddef>
@@ -18,21 +18,22 @@ using Lines = std::vector<std::string>;
 Lines lines_of(std::string_view text);
 std::string text_of_lines(const Lines& lines);
 
-/// The line without blanks around it and without a comment at its end.
+/// Returns the line without surrounding blanks and without a comment at its end.
 std::string_view bare(std::string_view line);
-/// "[light]" of "[ light ] # ...": the header of a table, without blanks; else empty.
+/// Returns the header of a table without blanks, such as "[light]" for "[ light ] # ..."; empty if
+/// the line is no header.
 std::string header_of(std::string_view line);
-/// The key that a line sets, or empty.
+/// Returns the key that a line sets, or empty.
 std::string_view key_of(std::string_view line);
 
-/// Lines [begin, end) of a table; comments and blank lines before the next header are not in it.
+/// Lines [begin, end) of a table, without the comments and blank lines before the next header.
 struct Block {
   std::size_t begin = 0, end = 0;
 };
-/// All tables with a header, such as "[[camera]]".
+/// Returns all tables with a header, such as "[[camera]]".
 std::vector<Block> blocks_of(const Lines& lines, std::string_view header);
 
-/// "key = value".
+/// Returns the line "key = value".
 template <typename Value>
 std::string value_line(std::string_view key, const Value& value) {
   Writer table;
@@ -42,13 +43,13 @@ std::string value_line(std::string_view key, const Value& value) {
   return line;
 }
 
-/// Sets a key of a table; a comment behind the old value goes.
+/// Sets a key of a table to `line`; a comment behind the old value is lost.
 void set_line(Lines& lines, const Block& block, std::string_view key, const std::string& line);
-/// The same, of a table whose end follows.
+/// Does what set_line() does, and moves block.end if it inserts a line.
 void set_line_in(Lines& lines, Block& block, std::string_view key, const std::string& line);
-/// Removes a key of a table, whose end follows.
+/// Removes a key of a table and moves block.end.
 void remove_line(Lines& lines, Block& block, std::string_view key);
-/// Sets a number of a table; a comment behind the old one stays.
+/// Sets a number of a table; a comment behind the old value is kept.
 void set_number(Lines& lines, const Block& block, std::string_view key, double value);
 
 }  // namespace mixrig::config

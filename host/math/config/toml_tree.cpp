@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// toml++ to a plain tree of limited size.
+// Converts toml++'s result to a plain tree of limited size.
 #include "host/math/config/toml_tree.h"
 
 #include <algorithm>
@@ -13,8 +13,9 @@ namespace {
 constexpr std::size_t kMaxTomlBytes = std::size_t{1} << 20;
 constexpr int kMaxKeyParts = 16;
 
-/// toml++ limits the depth of brackets but not of dotted keys, and frees a tree by recursion: a key
-/// of many dots would overflow the stack. Returns the line of such a key, 0 where there is none.
+/// Returns the line of a dotted key with too many parts, 0 if there is none. toml++ limits the
+/// depth of brackets but not of dotted keys, and frees a tree by recursion: such a key would
+/// overflow the stack.
 int line_of_deep_key(std::string_view text) {
   int line = 1, dots = 0;
   for (const char c : text) {

@@ -14,7 +14,7 @@ namespace mixrig::config {
 struct Node {
   enum class Kind { kTable, kArray, kText, kInteger, kNumber, kBoolean, kOther };
   Kind kind = Kind::kTable;
-  int line = 0;  ///< 1-based; of the value
+  int line = 0;  ///< line of the value, from 1
   std::variant<std::monostate, std::string, long long, double, bool> value;
   std::vector<std::string> keys;
   std::vector<Node> items;

@@ -32,7 +32,7 @@ std::string key_text(std::string_view key) {
   return bare && !key.empty() ? std::string(key) : quoted(key);
 }
 
-/// A float has a point or an exponent in TOML.
+/// Formats a float, which has a point or an exponent in TOML.
 std::string number_text(double value) {
   const std::string text = fmt::format("{}", value);
   return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
@@ -56,7 +56,7 @@ struct Writer::State {
   struct Tables {
     std::string key;
     bool is_array = false;
-    std::vector<Writer> tables;  ///< one where it is no array
+    std::vector<Writer> tables;  ///< one element if it is no array
   };
 
   /// Appends the values of this table, then its tables. `path` is its dotted key.

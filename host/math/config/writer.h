@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writing of TOML files: the one way in which the program writes TOML.
+// Writes TOML files. The program writes TOML only through this class.
 #pragma once
 
 #include <memory>
@@ -22,9 +22,10 @@ class Writer {
   Writer& operator=(Writer&&) noexcept;
   ~Writer();
 
-  /// A value that is set again is replaced.
+  /// Sets a value, or replaces it.
   Writer& set(std::string_view key, std::string_view text);
-  Writer& set(std::string_view key, const char* text);  ///< else a literal would become a bool
+  /// Without it a literal would become a bool.
+  Writer& set(std::string_view key, const char* text);
   Writer& set(std::string_view key, bool value);
   Writer& set(std::string_view key, int value);
   Writer& set(std::string_view key, double value);
@@ -33,12 +34,12 @@ class Writer {
   Writer& set(std::string_view key, std::span<const double> values);
   /// `values` row by row, as arrays of `columns` numbers.
   Writer& set_matrix(std::string_view key, std::size_t columns, std::span<const double> values);
-  /// [key]
+  /// Adds the table [key].
   Writer& set(std::string_view key, Writer table);
-  /// [[key]]: appends to the array of tables of that name.
+  /// Adds a table [[key]]: appends to the array of tables of that name.
   Writer& add(std::string_view key, Writer table);
 
-  /// As TOML.
+  /// Returns the table as TOML.
   std::string text() const;
 
  private:

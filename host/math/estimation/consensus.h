@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits that withstand outliers: all measurements if they agree with the stated noise, else the
-// largest subset that agrees, found by random sampling (Fischler and Bolles 1981) with the score of
-// MSAC (Torr and Zisserman 2000).
+// Robust fits: all measurements if they agree with the stated noise, else the largest subset that
+// agrees, found by random sampling (Fischler and Bolles 1981) with the score of MSAC (Torr and
+// Zisserman 2000).
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ inline constexpr double kContradictionZ = 5.2;
 
 /// Sizes of an estimation problem.
 struct ProblemSize {
-  int measurements;  ///< given
+  int measurements;  ///< number of measurements
   int sample;        ///< measurements that determine a model up to a few solutions
   int residual_dim;  ///< residuals per measurement
   int parameters;
@@ -37,8 +37,8 @@ class BestModel {
   BestModel(int measurements, double limit)
       : measurements_(measurements), limit_(limit), score_(limit * measurements) {}
 
-  /// `cost(model, i)` of measurement i; NaN counts as an outlier. The sum stops where the model can
-  /// no longer win; of equal models the first is kept.
+  /// `cost(model, i)` returns the cost of measurement i; NaN counts as an outlier. The sum stops
+  /// where the model can no longer win; of equal models the first is kept.
   template <typename Cost>
   void offer(const Model& model, Cost&& cost) {
     double score = 0;
@@ -110,11 +110,11 @@ std::vector<int> agreeing(int n, const Model& model, Cost&& cost, double limit) 
   return inliers;
 }
 
-/// The measurements that the best sampled model explains.
+/// Returns the indices of the measurements that the best sampled model explains.
 template <typename Model, typename Sample, typename Cost>
 std::vector<int> largest_consensus(const ProblemSize& size, Sample&& sample, Cost&& cost) {
-  // With half of the measurements good, fewer than what counts, a good sample is missed with
-  // probability 1e-6 by the half of these.
+  // If half of the measurements are good, fewer than is required, half of these trials miss a good
+  // sample with probability 1e-6.
   const int max_trials =
       static_cast<int>(2 * std::log(1e-6) / std::log1p(-std::pow(0.5, size.sample)));
   const double limit = chi2_limit(size.residual_dim, kInlierZ);
@@ -127,20 +127,20 @@ std::vector<int> largest_consensus(const ProblemSize& size, Sample&& sample, Cos
     // Enough once a better model would have been sampled with probability 1 - 1e-6.
     return std::pow(1.0 - std::pow(best.share(), size.sample), trials) > 1e-6;
   });
-  // The sampled model holds the noise of its few measurements: a wider gate here, the refit's gate
-  // cuts the rest.
+  // The sampled model has the noise of its few measurements: the gate is wider here, and the
+  // refit's gate removes the rest.
   constexpr double kWider = 4;
   return best.model() ? agreeing(n, *best.model(), cost, kWider * limit) : std::vector<int>{};
 }
 
 }  // namespace detail
 
-/// Fits all measurements; where `whitened` and they disagree with their noise, the largest
-/// subset that agrees. A subset is accepted only with two measurements more than a sample has and
-/// three fifths of all measurements: half of the points are not enough, because they can lie so
-/// close to a plane that a rotated camera explains them. `fit(indices)` -> optional<Model> is the
-/// full least-squares fit, `sample(indices)` -> a range of Models, `cost(model, i)` the squared
-/// (whitened) residual.
+/// Fits all measurements. If `whitened` and they disagree with their noise, fits the largest subset
+/// that agrees. A subset is accepted only with two measurements more than a sample has and three
+/// fifths of all measurements: half of the points are not enough, because they can lie so close to
+/// a plane that a rotated camera explains them.
+/// `fit(indices)` -> optional<Model> is the full least-squares fit, `sample(indices)` -> a range of
+/// Models, `cost(model, i)` the squared (whitened) residual.
 template <typename Model, typename Fit, typename Sample, typename Cost>
 ConsensusFit<Model> fit_with_consensus(const ProblemSize& size, bool whitened, Fit&& fit,
                                        Sample&& sample, Cost&& cost) {

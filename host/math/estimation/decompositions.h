@@ -17,14 +17,16 @@ struct Spectrum {
 };
 Spectrum spectrum_of(const Eigen::Matrix3d& symmetric);
 
-/// The same of a 2x2 matrix.
+/// Eigenvalues of a symmetric 2x2 matrix in ascending order, and their unit eigenvectors as
+/// columns.
 struct PlanarSpectrum {
   Eigen::Vector2d values;
   Eigen::Matrix2d axes;
 };
 PlanarSpectrum planar_spectrum_of(const Eigen::Matrix2d& symmetric);
 
-/// The same of a matrix of any size.
+/// Eigenvalues of a symmetric matrix of any size in ascending order, and their unit eigenvectors as
+/// columns.
 struct DenseSpectrum {
   Eigen::VectorXd values;
   Eigen::MatrixXd axes;
@@ -44,11 +46,11 @@ class SymmetricSolver {
   Eigen::LDLT<Eigen::MatrixXd> ldlt_;
 };
 
-/// By LU with partial pivoting.
+/// Solves A X = B by LU with partial pivoting.
 Eigen::MatrixXd solve_by_lu(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& a);
 
-/// A = U diag(values) V^T, values in descending order.
+/// Singular value decomposition A = U diag(values) V^T, values in descending order.
 struct SingularValues {
   Eigen::Matrix3d u, v;
   Eigen::Vector3d values;
@@ -60,7 +62,8 @@ struct PointSpread {
   Eigen::Vector3d mean_m, spread_m;
   Eigen::Matrix3d axes;
 };
-/// Of the points named by `indices`, at least one. Loses no precision far from the origin.
+/// Returns the spread of the points named by `indices`, at least one. Loses no precision far from
+/// the origin.
 PointSpread spread_of(std::span<const Eigen::Vector3d> points_m, std::span<const int> indices);
 
 /// The rotation that maximises trace(R^T cross); with cross = sum of w b a^T it is the

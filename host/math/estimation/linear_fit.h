@@ -12,7 +12,7 @@ struct LinearFit {
   Eigen::Index rank;
 };
 LinearFit solve_linear(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
-/// For each column of b.
+/// Minimises |a x - b| for each column of b; returns the solutions as columns.
 Eigen::MatrixXd solve_columns(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
 }  // namespace mixrig::estimation

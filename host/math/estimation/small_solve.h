@@ -28,7 +28,7 @@ using SmallModel = std::function<void(const double* x, double* residuals, double
 /// Minimises from x = 0; parameters should be of order one.
 SmallSolution minimise(int parameters, int residuals, const SmallModel& model);
 
-/// The same for a functor with operator()(const T* x, T* r) and NumResiduals().
+/// Minimises a functor with operator()(const T* x, T* r) and NumResiduals(), from x = 0.
 template <int kParameters, typename Functor>
 SmallSolution minimise(const Functor& functor) {
   using Jet = ceres::Jet<double, kParameters>;

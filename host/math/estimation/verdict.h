@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every estimator returns: a value, its covariance, and a verdict whether the data determine
-// it at all.
+// Result of every estimator: a value, its covariance, and a verdict whether the data determine it
+// at all.
 #pragma once
 
 #include <optional>
@@ -19,7 +19,7 @@ enum class Standing {
   kDegenerate  ///< the data do not determine an answer; the value means nothing
 };
 
-/// ok | weak(direction, sigma) | degenerate(reason).
+/// Verdict of an estimator: ok, weak(direction, sigma) or degenerate(reason).
 struct Verdict {
   Standing standing = Standing::kDegenerate;
   std::string reason;         ///< one line, empty for ok
@@ -43,8 +43,8 @@ const char* name_of(Standing standing);
 template <typename T>
 struct Estimate {
   T value{};
-  Eigen::MatrixXd covariance;  ///< of the estimator's error parameters, documented there
-  Eigen::VectorXd residuals;   ///< of every measurement given, outliers included, in its unit
+  Eigen::MatrixXd covariance;  ///< over the estimator's error parameters, which it documents
+  Eigen::VectorXd residuals;   ///< one or more per measurement, outliers included, in its unit
   std::vector<int> inliers;    ///< indices of the measurements that were used
   Verdict verdict;
 
@@ -62,8 +62,8 @@ struct Judgement {
   Verdict verdict;
 };
 
-/// The worst direction is weak where its sigma is at least this multiple of the sigma that the same
-/// amount of information, spread evenly over all directions, would give.
+/// A fit is weak if the sigma of its worst direction is at least this multiple of the sigma that
+/// the same information, spread evenly over all directions, would give.
 inline constexpr double kWeakRatio = 5.0;
 /// An estimate whose sigma exceeds this share of the scene's own extent is degenerate.
 inline constexpr double kDegenerateShare = 0.25;
@@ -81,17 +81,17 @@ inline constexpr double kInlierZ = 3.0;
 /// z of the test that a whole fit agrees with the stated noise (p = 5e-5).
 inline constexpr double kFitZ = 3.9;
 
-/// Sigma as stated, or estimated from the residuals (at least `rounding`, the rounding error of the
-/// input); nullopt without redundancy.
+/// Returns the stated sigma, else one estimated from the residuals (at least `rounding`, the
+/// rounding error of the input); nullopt without redundancy.
 std::optional<double> noise_sigma(std::optional<double> stated, double squared_sum, int dof,
                                   double rounding);
 
-/// Error of a pose against another in the parameters of all pose covariances:
-/// rotation vector w (rad), then translation (m), with rotation = exp(w) * reference.rotation.
+/// Returns the error of a pose against another in the parameters of all pose covariances: rotation
+/// vector w (rad), then translation (m), with rotation = exp(w) * reference.rotation.
 Eigen::Matrix<double, 6, 1> pose_error(const geometry::Pose& pose, const geometry::Pose& reference);
 /// Rotation vector of a rotation, angle in 0..pi.
 Eigen::Vector3d rotation_log(const Eigen::Quaterniond& rotation);
-/// Rotation of a rotation vector.
+/// Rotation that a rotation vector describes.
 Eigen::Quaterniond rotation_exp(const Eigen::Vector3d& w_rad);
 /// The cross-product matrix: skew(a) b = a x b.
 Eigen::Matrix3d skew(const Eigen::Vector3d& a);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera of either lens model, its parameters as a vector, and projection with derivatives: what
-// calibrations and their files work with.
+// A camera of either lens model, its parameters as a vector, and projection with derivatives, for
+// calibrations and their files.
 #pragma once
 
 #include <optional>
@@ -25,7 +25,7 @@ inline constexpr int kPinholeParameters = 12, kFisheyeParameters = 8;
 constexpr int parameter_count(LensKind kind) {
   return kind == LensKind::kPinhole ? kPinholeParameters : kFisheyeParameters;
 }
-/// Their names, in order.
+/// Names of the parameters, in order.
 std::vector<std::string_view> parameter_names(LensKind kind);
 /// "pinhole" or "fisheye".
 std::string_view name_of(LensKind kind);
@@ -33,7 +33,7 @@ std::string_view name_of(LensKind kind);
 LensKind kind_of(const AnyCamera& camera);
 Size size_px(const AnyCamera& camera);
 Eigen::VectorXd parameters_of(const AnyCamera& camera);
-/// Largest angle from the axis that a fisheye states; none for a pinhole.
+/// Returns the stated largest angle from the axis of a fisheye; nullopt for a pinhole.
 std::optional<double> max_angle_rad(const AnyCamera& camera);
 /// Precondition: as many parameters as the kind has, and a largest angle for a fisheye alone.
 AnyCamera make_camera(LensKind kind, Size size_px, const Eigen::VectorXd& parameters,
@@ -43,7 +43,7 @@ AnyCamera make_camera(LensKind kind, Size size_px, const Eigen::VectorXd& parame
 std::optional<Eigen::Vector2d> project(const AnyCamera& camera, const Eigen::Vector3d& p);
 /// Unit direction of a pixel; nullopt where the lens has no ray.
 std::optional<Eigen::Vector3d> unproject(const AnyCamera& camera, const Eigen::Vector2d& px);
-/// As validate() of the model.
+/// Validates the camera by its model. Errors: those of the model's validate().
 Result<void> validate(const AnyCamera& camera);
 
 /// A pixel and its derivatives.
@@ -52,9 +52,10 @@ struct Projection {
   Eigen::Matrix<double, 2, 3> d_point;
   Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, kPinholeParameters> d_parameters;
 };
-/// Projects with `parameters` alone and differentiates, for solvers: the domain of the model is not
-/// checked, which costs more than the projection. nullopt where the model has no pixel at all:
-/// behind a pinhole, at the fisheye's backward axis, at the centre, or where it is not finite.
+/// Projects with `parameters` and differentiates, for solvers. The domain of the model is not
+/// checked, since that costs more than the projection. Returns nullopt where the model has no pixel
+/// at all: behind a pinhole, on the fisheye's backward axis, at the centre, or where the pixel is
+/// not finite.
 std::optional<Projection> project_with_jacobians(LensKind kind, const double* parameters,
                                                  const Eigen::Vector3d& p);
 

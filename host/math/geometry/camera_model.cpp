@@ -26,7 +26,7 @@ Eigen::Vector2d distort_unchecked(const Lens::Coefficients& d, const Eigen::Vect
 
 /// The largest r2 up to which the radial mapping grows; infinity for none.
 double radial_limit_r2(const Lens::Coefficients& distortion) {
-  // Stepping in r out to 84 degrees off axis finds the first fold; bisection sharpens it.
+  // Stepping in r out to 84 degrees off axis finds the first fold; bisection refines it.
   constexpr double kStep = 0.01, kMax = 10.0;
   double good = 0.0;
   for (double r = kStep; r < kMax; r += kStep) {

@@ -22,7 +22,7 @@ struct Pinhole {
   Eigen::Vector2d project(const Eigen::Vector3d& p) const {
     return {fx_px * p.x() / p.z() + cx_px, fy_px * p.y() / p.z() + cy_px};
   }
-  /// (x/z, y/z) of a pixel.
+  /// Returns (x/z, y/z) of a pixel.
   Eigen::Vector2d unproject(const Eigen::Vector2d& px) const {
     return {(px.x() - cx_px) / fx_px, (px.y() - cy_px) / fy_px};
   }
@@ -69,7 +69,7 @@ struct CameraModel {
   std::optional<Eigen::Vector2d> unproject(const Eigen::Vector2d& px) const;
 };
 
-/// Checks what files may hold: finite values, positive size and focal lengths, a lens whose
+/// Checks values read from a file: finite values, positive size and focal lengths, a lens whose
 /// mapping is one-to-one over the whole picture. Errors: kData, naming the value.
 Result<void> validate(const CameraModel& camera);
 

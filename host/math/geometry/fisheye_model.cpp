@@ -28,7 +28,7 @@ double find_fold(const Coefficients& k) {
   return M_PI;
 }
 
-/// A largest angle that validate() refuses is none.
+/// A largest angle that validate() refuses counts as none.
 double smaller(double fold_rad, const std::optional<double>& max_angle_rad) {
   return max_angle_rad && *max_angle_rad > 0 ? std::min(fold_rad, *max_angle_rad) : fold_rad;
 }
@@ -87,7 +87,7 @@ std::optional<Eigen::Vector3d> FisheyeModel::unproject(const Eigen::Vector2d& px
   const double target = bent.norm();
   if (!(target <= rim_)) return std::nullopt;
   if (target == 0) return Eigen::Vector3d::UnitZ();
-  // The mapping grows over the domain: Newton, held between bounds by bisection.
+  // The mapping grows over the domain: Newton steps, kept within bounds by bisection.
   double low = 0, high = domain_rad_, theta = std::min(target, domain_rad_);
   for (int i = 0; i < 100; ++i) {
     const double error = bend(parameters_.k.data(), theta) - target;

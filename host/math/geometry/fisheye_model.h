@@ -13,9 +13,9 @@
 namespace mixrig::geometry {
 
 /// theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8), theta from the
-/// optical axis; pixel = f * theta_d * (x, y) / |(x, y)| + c. Valid out to the largest angle that
-/// is stated, or to the fold, the angle where theta_d stops growing, whichever is smaller; at most
-/// pi (straight backwards): points behind the image plane project too.
+/// optical axis; pixel = f * theta_d * (x, y) / |(x, y)| + c. Valid out to the stated largest
+/// angle, or to the fold (the angle where theta_d stops growing), whichever is smaller; at most pi
+/// (straight backwards): points behind the image plane project too.
 ///
 /// The image of most fisheyes is a circle inside the picture, black around it. max_angle_rad is the
 /// angle at its rim: nothing beyond it projects, and no pixel beyond it has a ray.
@@ -35,7 +35,7 @@ class FisheyeModel {
   Size size_px() const { return parameters_.size_px; }
   /// Greatest angle from the axis that the lens maps, rad.
   double domain_rad() const { return domain_rad_; }
-  /// The angle where theta_d stops growing, or pi; the largest angle is not in it.
+  /// The angle where theta_d stops growing, or pi; independent of the stated largest angle.
   double fold_rad() const { return fold_rad_; }
   /// Half axes of the ellipse (a circle where fx = fy) about c on which the domain ends, px.
   Eigen::Vector2d rim_px() const { return {parameters_.fx_px * rim_, parameters_.fy_px * rim_}; }
@@ -53,10 +53,10 @@ class FisheyeModel {
   double fold_rad_ = 0, domain_rad_ = 0, rim_ = 0;  // rim: theta_d at the end of the domain
 };
 
-/// Checks what files may hold: finite values, positive size and focal lengths. Without a largest
-/// angle, the domain must reach the middle of the picture's sides; with one, the lens must not fold
-/// before it, unless beyond the picture's corners, and need not fill the picture. Errors: kData,
-/// naming the value.
+/// Checks values read from a file: finite values, positive size and focal lengths. Without a
+/// largest angle, the domain must reach the middle of the picture's sides; with one, the lens must
+/// not fold before it, unless beyond the picture's corners, and need not fill the picture. Errors:
+/// kData, naming the value.
 Result<void> validate(const FisheyeModel& camera);
 
 }  // namespace mixrig::geometry

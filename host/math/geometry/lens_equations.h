@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bare equations of the lens models, as camera classes and projections share them. Private to
-// this module.
+// Equations of the lens models, shared by camera classes and projections. Private to this module.
 #pragma once
 
 #include <cmath>
@@ -25,13 +24,13 @@ inline Radial radial(const double* k, double r2) {
           denominator};
 }
 
-/// theta_d of the Kannala-Brandt fisheye; `k`: k1 k2 k3 k4.
+/// Returns theta_d of the Kannala-Brandt fisheye; `k`: k1 k2 k3 k4.
 inline double bend(const double* k, double theta) {
   const double t2 = theta * theta;
   return theta * (1 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3]))));
 }
 
-/// d theta_d / d theta.
+/// Returns the derivative d theta_d / d theta.
 inline double bend_slope(const double* k, double theta) {
   const double t2 = theta * theta;
   return 1 + t2 * (3 * k[0] + t2 * (5 * k[1] + t2 * (7 * k[2] + t2 * 9 * k[3])));

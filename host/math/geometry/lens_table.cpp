@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kMostShift_m = 1;
 
-/// Powers of the ray's length that the coefficients k1 k2 p1 p2 k3 k4 k5 k6 are multiplied by,
-/// relative to the ray itself.
+/// Powers of the ray's length that multiply the coefficients k1 k2 p1 p2 k3 k4 k5 k6, relative to
+/// the ray itself.
 constexpr std::array<int, 8> kPowers{2, 4, 1, 1, 6, 2, 4, 6};
 
 /// Half the picture's diagonal over the focal length.
@@ -137,7 +137,7 @@ Result<LensTable> LensTable::make(std::vector<LensNode> nodes) {
   return table;
 }
 
-/// Midway between nodes the lens must be one, too.
+/// Checks that the lens is valid midway between nodes, too.
 Result<void> LensTable::check_between() const {
   const auto middles = [](const std::vector<double>& x) {
     std::vector<double> out = x;
@@ -157,7 +157,7 @@ bool LensTable::contains(const LensEncoders& e) const {
 }
 
 LensState LensTable::at(const LensEncoders& e) const {
-  // The order of min and max takes what is not a number to the first node.
+  // The order of min and max maps NaN to the first node.
   const double zoom = std::min(std::max(zooms_.front(), e.zoom), zooms_.back());
   const double focus = std::min(std::max(focuses_.front(), e.focus), focuses_.back());
   const std::size_t columns = focuses_.size();

@@ -42,7 +42,8 @@ Square6 Cholesky6::root() const { return llt_.matrixL(); }
 
 Square6 inverse_of(const Square6& a) { return a.inverse(); }
 
-// Eigen's FromTwoVectors but for opposite directions, which takes a singular value decomposition.
+// Equals Eigen's FromTwoVectors except for opposite directions, where Eigen uses a singular value
+// decomposition.
 Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   const Eigen::Vector3d a = from.normalized(), b = to.normalized();
   const double cosine = b.dot(a);

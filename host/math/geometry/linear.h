@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small linear systems, compiled once: where a file uses Eigen's decompositions itself, each costs
-// it seconds to compile.
+// Solves small linear systems. Compiled once, since each file that uses Eigen's decompositions
+// takes seconds to compile.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -10,7 +10,7 @@
 namespace mixrig::geometry {
 
 /// Solves A x = b for a symmetric A by LDL^T with pivoting; not finite where A is singular.
-/// Compiled for N of 3 and 6; of any size: estimation::SymmetricSolver.
+/// Compiled for N of 3 and 6; estimation::SymmetricSolver takes any size.
 template <int N>
 class SymmetricSolver {
  public:
@@ -24,7 +24,7 @@ class SymmetricSolver {
   bool is_positive() const { return ldlt_.isPositive(); }
   /// Least element of D; -1 where A could not be factorised.
   double least_pivot() const;
-  /// Reciprocal of the condition number, about.
+  /// Estimate of the reciprocal of the condition number.
   double reciprocal_condition() const;
 
  private:
@@ -36,7 +36,7 @@ extern template class SymmetricSolver<6>;
 using Column6 = Eigen::Matrix<double, 6, 1>;
 using Square6 = Eigen::Matrix<double, 6, 6>;
 
-/// L of A = L L^T, for an A that is symmetric and positive.
+/// Cholesky factor L of A = L L^T, for a symmetric positive definite A.
 class Cholesky6 {
  public:
   explicit Cholesky6(const Square6& symmetric);
@@ -48,10 +48,10 @@ class Cholesky6 {
   Eigen::LLT<Square6> llt_;
 };
 
-/// By LU with partial pivoting.
+/// Returns the inverse by LU with partial pivoting.
 Square6 inverse_of(const Square6& a);
 
-/// The shortest rotation that takes the direction of `from` to that of `to`. About some axis where
+/// Returns the shortest rotation from the direction of `from` to that of `to`; about some axis if
 /// they are opposite.
 Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A body's motion carried on.
+// Extrapolates a body's motion.
 #pragma once
 
 #include "host/math/geometry/pose.h"
 
 namespace mixrig::geometry {
 
-/// Where a body is after `share` of the motion that brought it from `before` to `last`, in its own
-/// axes: `last` at 0, `before` at -1; past `last` above 0.
+/// Returns the pose after `share` of the motion from `before` to `last`, in the body's own axes:
+/// `last` at 0, `before` at -1, extrapolated beyond `last` above 0.
 inline Pose moved_on(const Pose& before, const Pose& last, double share) {
   const Pose motion = inverse(before) * last;
   const Eigen::AngleAxisd turn(motion.rotation);

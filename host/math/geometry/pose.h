@@ -9,7 +9,7 @@
 
 namespace mixrig::geometry {
 
-/// A rotation and a translation in metres. `b_from_a * p_a` is the point seen from b.
+/// A rotation and a translation in metres. `b_from_a * p_a` is the point in frame b.
 struct Pose {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
@@ -24,7 +24,7 @@ struct Pose {
   Eigen::Matrix4d matrix() const;
 };
 
-/// a_from_b of b_from_a.
+/// Returns a_from_b.
 Pose inverse(const Pose& b_from_a);
 
 /// Pose of a 3x3 matrix that is a rotation to within `tolerance` (largest element of R^T R - 1,

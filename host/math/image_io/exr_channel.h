@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Channels of the files of a background.
+// Takes channels from the files of a background.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +10,8 @@
 
 namespace mixrig::model {
 
-/// Takes the channel of that name, whose size and least value must hold; a value that is not finite
-/// is refused. Errors: kFormat, kData, naming the file.
+/// Moves the channel `name` out of `channels`. It must have this size, and finite values of at
+/// least `least`. Errors: kFormat, kData, naming the file.
 Result<Image<float>> take_channel(std::vector<image_io::Channel>& channels, const std::string& name,
                                   Size size, const std::filesystem::path& path, float least = 0);
 

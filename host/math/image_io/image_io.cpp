@@ -39,7 +39,8 @@ Result<void> read_gray(const std::filesystem::path& path, Image<T>& image) {
   return decode_png(bytes, path.string(), image);
 }
 
-/// What a library says may have bytes of the file in it: a line of a terminal stays one.
+/// Replaces control characters: messages of a library may contain bytes of the file, and must stay
+/// one line.
 std::string printable(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');

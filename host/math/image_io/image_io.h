@@ -22,9 +22,9 @@ Result<void> read_rgb8(const std::filesystem::path& path, Image<Rgb8>& image);
 Result<void> decode_rgb8(const std::uint8_t* bytes, std::size_t size, const std::string& name,
                          Image<Rgb8>& image);
 
-/// Reads a grey PNG of 16 bit (or 8, unscaled). Errors as read_rgb8; kFormat for colour.
+/// Reads a grey PNG of 16 bit (or 8, unscaled). Errors: those of read_rgb8; kFormat for colour.
 Result<void> read_gray16(const std::filesystem::path& path, Image<std::uint16_t>& image);
-/// Reads a grey PNG of 8 bit. Errors as read_rgb8; kFormat for colour or 16 bit.
+/// Reads a grey PNG of 8 bit. Errors: those of read_rgb8; kFormat for colour or 16 bit.
 Result<void> read_gray8(const std::filesystem::path& path, Image<std::uint8_t>& image);
 
 /// Writes a PNG under a temporary name, then renames it. Errors: kIo.
@@ -32,7 +32,7 @@ Result<void> write_png(const std::filesystem::path& path, ImageView<const Rgb8> 
 Result<void> write_png(const std::filesystem::path& path, ImageView<const std::uint8_t> image);
 Result<void> write_png(const std::filesystem::path& path, ImageView<const std::uint16_t> image);
 
-/// The bytes of a PNG file. Errors: kIo for an image without pixels.
+/// Returns the bytes of a PNG file. Errors: kIo for an image without pixels.
 Result<std::string> encode_png(ImageView<const Rgb8> image);
 
 /// One channel of an EXR file, 32-bit float.
@@ -45,8 +45,8 @@ struct Channel {
 Result<std::vector<Channel>> read_exr(const std::filesystem::path& path);
 /// Writes channels of one size, ZIP compressed, under a temporary name. Errors: kIo, kData.
 Result<void> write_exr(const std::filesystem::path& path, const std::vector<Channel>& channels);
-/// Writes channels R, G, B of half precision, and `saturated` (0 or 1, half precision) beside them;
-/// both of one size. ZIP compressed, under a temporary name. Errors: kIo, kData.
+/// Writes channels R, G, B and `saturated` (0 or 1), all of half precision and one size. ZIP
+/// compressed, under a temporary name. Errors: kIo, kData.
 Result<void> write_light_exr(const std::filesystem::path& path, const Image<RgbHalf>& light,
                              const Image<std::uint8_t>& saturated);
 

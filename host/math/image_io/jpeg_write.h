@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// JPEG in memory.
+// Encodes JPEG in memory.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace mixrig::image_io {
 
-/// The bytes of a baseline JPEG, colour at half the resolution; quality 1 to 100.
+/// Returns the bytes of a baseline JPEG with colour at half the resolution; quality 1 to 100.
 /// Errors: kIo for an image without pixels or with more than 16384 a side.
 Result<std::string> encode_jpeg(ImageView<const Rgb8> image, int quality);
 

@@ -38,7 +38,7 @@ class PngReader {
     return true;
   }
 
-  /// 8-bit RGB of any colour type; transparency is dropped.
+  /// Converts any colour type to 8-bit RGB; transparency is dropped.
   bool convert_to_rgb8() {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_set_expand(png_);
@@ -48,7 +48,7 @@ class PngReader {
     return true;
   }
 
-  /// 16-bit values in this machine's byte order (big-endian in the file).
+  /// Converts 16-bit values to this machine's byte order (big-endian in the file).
   bool convert_to_native16() {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     if constexpr (std::endian::native == std::endian::little) png_set_swap(png_);

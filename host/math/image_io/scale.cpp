@@ -10,7 +10,7 @@
 namespace mixrig::image_io {
 namespace {
 
-/// Part of `length` that has the other side's share of the wanted sides, at least a pixel.
+/// Returns the part of `length` that gives the aspect ratio of the wanted sides, at least a pixel.
 int part(int length, int other, int wanted, int wanted_other) {
   const std::int64_t fitting = std::int64_t{other} * wanted / wanted_other;
   return static_cast<int>(std::clamp<std::int64_t>(fitting, 1, length));

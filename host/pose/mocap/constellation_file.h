@@ -20,10 +20,11 @@ struct Constellation {
   std::vector<Eigen::Vector3d> markers_m;  ///< in body axes, 3 to 64
 };
 
-/// Errors: kNotFound, kFormat (file:line: key); kData for a constellation that looks the same when
-/// turned, naming the markers that can be confused.
+/// Reads a constellation. Errors: kNotFound, kFormat (file:line: key); kData for a constellation
+/// that looks the same when turned, naming the markers that can be confused.
 Result<Constellation> read_constellation(const std::filesystem::path& path);
-/// The same from text; `name` is the file's name in errors. Pure: the entry point of the fuzzer.
+/// Parses a constellation; `name` is the file's name in errors. Pure: the entry point of the
+/// fuzzer.
 Result<Constellation> parse_constellation(std::string_view text, const std::string& name);
 
 }  // namespace mixrig::mocap

@@ -61,13 +61,14 @@ SeenMarker parse_marker(const config::Table& table) {
   return marker;
 }
 
-/// A marker as measured: distance, and bearing where it has a pixel.
+/// A measured marker: distance, and bearing if it has a pixel.
 struct Sight {
   double distance_m;
   std::optional<estimation::Bearing> bearing;
 };
 
-/// A depth is z; the distance is along the ray of its pixel (Cortes Reina 2015, eq. 90).
+/// Converts a marker to a sight. A depth is z; the distance is along the ray of its pixel (Cortes
+/// Reina 2015, eq. 90).
 Result<Sight> sight_of(const SeenMarker& marker, const ExternalInput& input) {
   Sight sight{marker.measured_m, std::nullopt};
   if (marker.pixel_px) {
@@ -96,7 +97,7 @@ Estimate<Vector3d> centre_of_ranges(const ExternalInput& input, const std::vecto
   std::vector<double> ranges;
   for (const SeenMarker& marker : input.markers) centres.push_back(marker.world_m);
   for (const Sight& sight : sights) ranges.push_back(sight.distance_m);
-  // Of two mirrored solutions the one near the camera's body is right.
+  // If there are two mirrored solutions, the one near the camera's body is right.
   return estimation::multilaterate(centres, ranges,
                                    {input.sigma_range_m, world_from_body.translation_m});
 }
@@ -115,7 +116,7 @@ Estimate<Vector3d> in_body(const Estimate<Vector3d>& world, const Estimate<Pose>
   return answer;
 }
 
-/// The translation's verdict from that of a weak pose.
+/// Returns the translation's verdict from that of a weak pose.
 estimation::Verdict part_of(const estimation::Verdict& pose) {
   const Vector3d step_m = pose.sigma * pose.direction.tail<3>();
   if (!(step_m.norm() > 0)) return estimation::Verdict::ok();
@@ -130,7 +131,7 @@ double rms_of_ranges(const ExternalInput& input, const std::vector<Sight>& sight
   return used.empty() ? 0 : std::sqrt(sum / static_cast<double>(used.size()));
 }
 
-/// The camera of a calibration.toml. Errors: as reading it; kData where it lacks the camera.
+/// Reads a camera of a calibration.toml. Errors: those of reading it; kData if it lacks the camera.
 Result<geometry::AnyCamera> named_camera(const std::filesystem::path& file,
                                          const std::string& name) {
   MIXRIG_ASSIGN(const calibration_file::Calibration calibration,

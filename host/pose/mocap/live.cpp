@@ -7,7 +7,7 @@ Result<std::vector<stream::NatNetFrame>> receive_frames(stream::NatNetReceiver& 
                                                         const LiveOptions& options,
                                                         const std::atomic<bool>& stop,
                                                         const Clock& clock) {
-  constexpr Duration kLook = std::chrono::milliseconds(100);  // at stop
+  constexpr Duration kLook = std::chrono::milliseconds(100);  // how often `stop` is checked
   std::vector<stream::NatNetFrame> frames;
   HostTime heard = clock.now();
   std::optional<HostTime> first;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames of a motion capture while it runs.
+// Receives frames of a motion capture while it runs.
 #pragma once
 
 #include <atomic>
@@ -12,13 +12,15 @@
 namespace mixrig::mocap {
 
 struct LiveOptions {
-  std::optional<double> duration_s;  ///< from the first frame on; absent: until stop or silence
-  std::size_t frames = 0;            ///< most of them; 0: any number
-  Duration silence = std::chrono::seconds(5);  ///< after which a stream has ended
+  /// Counted from the first frame; absent: until stop or silence.
+  std::optional<double> duration_s;
+  std::size_t frames = 0;  ///< largest number of frames; 0: no limit
+  /// Time without frames after which the stream has ended.
+  Duration silence = std::chrono::seconds(5);
 };
 
-/// Frames until `stop`, their number, the end of the duration, or silence. Errors: kDevice where
-/// no frame came; those of the receiver.
+/// Receives frames until `stop`, their number, the end of the duration, or silence. Errors: kDevice
+/// if no frame came; those of the receiver.
 Result<std::vector<stream::NatNetFrame>> receive_frames(stream::NatNetReceiver& receiver,
                                                         const LiveOptions& options,
                                                         const std::atomic<bool>& stop,

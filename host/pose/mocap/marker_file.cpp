@@ -78,7 +78,7 @@ class Line {
     broken = header_[i];
     return fallback;
   }
-  /// A whole number that fits.
+  /// Returns an integer cell that fits an int.
   int integer(int at, int fallback = 0) {
     const double value = number(at, fallback);
     if (std::abs(value) < 2e9 && value == std::floor(value)) return static_cast<int>(value);

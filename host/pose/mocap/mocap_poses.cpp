@@ -12,7 +12,7 @@
 namespace mixrig::pose {
 namespace {
 
-constexpr Duration kLook = std::chrono::milliseconds(100);  // at stop_
+constexpr Duration kLook = std::chrono::milliseconds(100);  // how often stop_ is checked
 
 std::string text_of(const std::string& server, const MocapOptions& options) {
   return fmt::format(

@@ -12,10 +12,10 @@
 
 namespace mixrig::pose {
 
-/// Listens to "HOST[:PORT][,GROUP[:PORT]]" in a thread of its own until it is destroyed, which
-/// takes up to 0.1 s. Poses are at Capture::mid_exposure, which must be on the clock of `clock`; it
-/// must outlive the source. A socket that fails is logged once; after that every pose is too old.
-/// Errors: kUsage for the address; those of stream::NatNetReceiver::open.
+/// Opens poses from a NatNet server. Listens to "HOST[:PORT][,GROUP[:PORT]]" in a thread of its own
+/// until it is destroyed, which takes up to 0.1 s. Poses are at Capture::mid_exposure, which must
+/// be on the clock of `clock`; it must outlive the source. A failing socket is logged once; every
+/// later pose is too old. Errors: kUsage for the address; those of stream::NatNetReceiver::open.
 Result<std::unique_ptr<capture::PoseSource>> open_mocap_poses(const std::string& server,
                                                               MocapOptions options,
                                                               const Clock& clock);

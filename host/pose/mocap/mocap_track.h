@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The camera's pose at any recent time, from the frames of a motion capture as they come.
+// The camera's pose at any recent time, from the frames of a running motion capture.
 #pragma once
 
 #include <mutex>
@@ -15,29 +15,29 @@
 namespace mixrig::pose {
 
 struct MocapOptions {
-  std::optional<mocap::Constellation> constellation;  ///< absent: bodies as the stream has them
-  int body_id = 0;                                    ///< of a body; 0: the only one
+  std::optional<mocap::Constellation> constellation;  ///< absent: use the bodies of the stream
+  int body_id = 0;                                    ///< id of the body; 0: the only one
   mocap::Up up = mocap::Up::kY;
-  Mount mount;                ///< of the external calibration
+  Mount mount;                ///< from the external calibration
   double delay_s = 0;         ///< from the exposure of a frame to its earliest arrival
   double most_ahead_s = 0.1;  ///< the motion is continued this far after the newest frame
 };
 
-/// The target camera in one frame of a motion capture, in a world with z up; covariance of markers
-/// and external calibration. nullopt where the body is not in the frame, not tracked, or not the
-/// only one.
+/// Returns the target camera in one frame of a motion capture, in a world with z up; its covariance
+/// is that of markers and external calibration. nullopt if the body is not in the frame, not
+/// tracked, or not the only one.
 std::optional<TargetSeen> target_seen(const stream::NatNetFrame& frame,
                                       const MocapOptions& options);
 
-/// PoseTrack of a motion capture. Thread-safe.
+/// A PoseTrack of a motion capture. Thread-safe.
 class MocapTrack {
  public:
   explicit MocapTrack(MocapOptions options)
       : options_(std::move(options)), track_({options_.delay_s, options_.most_ahead_s}) {}
 
-  /// A frame, and when it came.
+  /// Adds a frame and its time of arrival.
   void add(const stream::NatNetFrame& frame, HostTime received);
-  /// The counts of the receiver.
+  /// Sets the counts of the receiver.
   void set_packets(const stream::NatNetCounts& counts);
   capture::CameraPose at(HostTime mid_exposure) const { return track_.at(mid_exposure); }
   capture::PoseFaults faults() const;
@@ -46,7 +46,7 @@ class MocapTrack {
  private:
   const MocapOptions options_;
   PoseTrack track_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   stream::NatNetCounts counts_;
 };
 

@@ -34,7 +34,7 @@ class Reader {
     while (ok_ && take<char>() != '\0') {
     }
   }
-  /// A count of things of at least `size` bytes each.
+  /// Reads a count of items of at least `size` bytes each.
   std::size_t count(std::size_t size) {
     const auto n = take<std::int32_t>();
     if (n < 0 || static_cast<std::size_t>(n) > left() / size) ok_ = false;
@@ -56,7 +56,8 @@ class Reader {
   bool ok_ = true;
 };
 
-/// A section: its count, in newer versions its size in bytes, then its items, which `body` reads.
+/// Reads a section: its count, in newer versions its size in bytes, then its items, which `body`
+/// reads.
 template <typename Body>
 void section(Reader& reader, NatNetVersion version, std::size_t item_size, Body&& body) {
   const std::size_t count = reader.count(item_size);
@@ -117,7 +118,7 @@ void skip_skeletons(Reader& reader, std::size_t count) {
   }
 }
 
-/// Force plates and devices: channels of floats.
+/// Skips force plates and devices: channels of floats.
 void skip_analog(Reader& reader, std::size_t count) {
   for (std::size_t i = 0; i < count && reader.ok(); ++i) {
     reader.skip(4);
@@ -174,7 +175,7 @@ Result<NatNetFrame> parse_frame(std::span<const std::byte> payload, NatNetVersio
     for (std::size_t i = 0; i < n; ++i) frame.bodies.push_back(read_body(reader));
   });
   read("skeletons", 8, [&](std::size_t n) { skip_skeletons(reader, n); });
-  // Assets came with the section sizes: nothing of them is needed here.
+  // Assets came with the section sizes; they are skipped.
   if (version.at_least(4, 1)) read("assets", 1, [](std::size_t) {});
   read("labelled markers", kMarkerSize, [&](std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) frame.markers.push_back(read_marker(reader));

@@ -15,10 +15,11 @@
 namespace mixrig::stream {
 namespace {
 
-constexpr std::size_t kMostBytes = 65536;  // of a datagram
+constexpr std::size_t kMostBytes = 65536;  // largest datagram
 constexpr Duration kRequestEvery = std::chrono::seconds(1);
 constexpr int kRestart = 1000;  // numbers this far back: the server restarted
-constexpr int kBackRun = 5;     // as many that go back and go on from there: likewise
+// After so many frames in a row that continue an earlier number the server restarted.
+constexpr int kBackRun = 5;
 // More frames than this cannot have been sent since the last one: the server restarted.
 constexpr double kMostRate_hz = 2000;
 constexpr int kMostAtOnce = 16;
@@ -28,7 +29,7 @@ Error socket_error(const std::string& what) {
   return system_error(ErrorCode::kDevice, "motion capture: " + what, errno);
 }
 
-/// "HOST" or "HOST:PORT".
+/// Splits "HOST" or "HOST:PORT".
 bool split_port(const std::string& text, std::string& host, int& port) {
   const std::size_t colon = text.find(':');
   host = text.substr(0, colon);
@@ -55,7 +56,7 @@ Result<sockaddr_in> look_up(const std::string& host, int port) {
 
 bool is_loopback(const sockaddr_in& address) { return ntohl(address.sin_addr.s_addr) >> 24 == 127; }
 
-/// The first packet of a client: its name and version, as the server answers it by its own.
+/// Returns the first packet of a client: its name and version; the server answers with its own.
 constexpr std::array<std::byte, 268> connect_packet() {
   std::array<std::byte, 268> packet{};  // kind 0
   packet[2] = std::byte{264 & 255};
@@ -104,7 +105,8 @@ NatNetReceiver::NatNetReceiver(sockaddr_in server, std::vector<Socket> sockets,
       clock_(&clock),
       buffer_(kMostBytes) {}
 
-/// Bound to the loopback interface if the server is there, so that no other machine reaches it.
+/// Opens the socket for commands, bound to the loopback interface if the server is local, so that
+/// no other machine reaches it.
 Result<NatNetReceiver::Socket> NatNetReceiver::open_command(const sockaddr_in& server) {
   Socket socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   if (socket.fd() < 0) return socket_error("no socket");
@@ -146,8 +148,8 @@ Result<NatNetReceiver> NatNetReceiver::open(const NatNetAddress& address, NatNet
   return NatNetReceiver(server, std::move(sockets), version, clock);
 }
 
-/// Without a server there is no answer, or an error that the next read returns: neither ends the
-/// receiver.
+/// Requests the stream. Without a server there is no answer, or an error that the next read
+/// returns: neither ends the receiver.
 void NatNetReceiver::request_stream() {
   const HostTime now = clock_->now();
   if (requested_ && now - *requested_ < kRequestEvery) return;
@@ -215,7 +217,8 @@ Result<std::optional<NatNetFrame>> NatNetReceiver::take(const NatNetPacket& pack
   return std::optional(*std::move(frame));
 }
 
-/// A server sends its frames from one port. Another one is heard when the first has gone.
+/// Whether a frame comes from our server, which sends from one port. Frames of another port are
+/// accepted when the first has been silent for kServerGone.
 bool NatNetReceiver::is_of_our_server(int port, HostTime now) {
   if (frame_port_ && *frame_port_ != port && now - last_frame_ < kServerGone) return false;
   frame_port_ = port;
@@ -236,7 +239,7 @@ bool NatNetReceiver::is_next(int number, HostTime now) {
   return true;
 }
 
-/// For a number that is not above the last one.
+/// Whether a number that is not above the last one continues an earlier run.
 bool NatNetReceiver::goes_on_from_before(int number) {
   back_run_ = back_run_ > 0 && number > *back_number_ ? back_run_ + 1 : 1;
   back_number_ = number;

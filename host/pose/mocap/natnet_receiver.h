@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// NatNet frames as a server sends them: to us (unicast), or to a group (multicast).
+// Receives NatNet frames from a server: unicast, or multicast to a group.
 #pragma once
 
 #include <optional>
@@ -14,23 +14,23 @@
 
 namespace mixrig::stream {
 
-/// Where a server is. Ports are Motive's.
+/// Address of a server. The default ports are Motive's.
 struct NatNetAddress {
   std::string host = "127.0.0.1";  ///< IPv4 or a name
-  std::string group;               ///< of multicast, such as 239.255.42.99; empty: unicast
+  std::string group;               ///< multicast group, such as 239.255.42.99; empty: unicast
   int command_port = 1510, data_port = 1511;
 };
 
-/// "natnet[:HOST[:PORT]][,GROUP[:PORT]]": the port of commands, and of the group's data. Pure.
-/// Errors: kUsage.
+/// Parses "natnet[:HOST[:PORT]][,GROUP[:PORT]]": the port of commands, and that of the group's
+/// data. Pure. Errors: kUsage.
 Result<NatNetAddress> parse_natnet_address(const std::string& uri);
 
-/// Counts of datagrams. A frame is lost where numbers jump, late where they do not increase.
-/// Numbers that go on from an earlier one, or that jump by more than a server can send in that
-/// time, are those of a server that restarted: nothing is lost.
+/// Counts of datagrams. A frame is lost if numbers jump, late if they do not increase. If numbers
+/// continue an earlier run, or jump by more than a server can send in that time, the server
+/// restarted, and nothing counts as lost.
 struct NatNetCounts {
   long frames = 0, lost = 0, late = 0;
-  long malformed = 0;  ///< datagrams that are no packet of NatNet
+  long malformed = 0;  ///< datagrams that are no NatNet packet
   long foreign = 0;  ///< datagrams from another machine, frames of a second server on the same one
 };
 
@@ -43,8 +43,8 @@ class NatNetReceiver {
   static Result<NatNetReceiver> open(const NatNetAddress& address, NatNetVersion version,
                                      const Clock& clock);
 
-  /// Waits for one datagram, `timeout` at most; nullopt where none came or it was no frame.
-  /// Errors: kDevice where a socket fails; kUnsupported for a server below 3.0.
+  /// Waits for one datagram, at most `timeout`; nullopt if none came or it was no frame. Errors:
+  /// kDevice if a socket fails; kUnsupported for a server below 3.0.
   Result<std::optional<NatNetFrame>> next(Duration timeout);
   const NatNetCounts& counts() const { return counts_; }
 
@@ -73,15 +73,15 @@ class NatNetReceiver {
   bool goes_on_from_before(int number);
 
   sockaddr_in server_;
-  std::vector<Socket> sockets_;  ///< of commands, then of the group
+  std::vector<Socket> sockets_;  ///< for commands, then for the group
   NatNetVersion version_;
   const Clock* clock_;
   std::optional<HostTime> requested_;
   std::optional<int> last_number_;
-  HostTime last_frame_{};           ///< arrival
+  HostTime last_frame_{};           ///< arrival of the last frame
   std::optional<int> frame_port_;   ///< the port that frames come from
-  std::optional<int> back_number_;  ///< of the last frame whose number went back
-  int back_run_ = 0;                ///< such frames in a row, each number above the one before
+  std::optional<int> back_number_;  ///< number of the last frame whose number went back
+  int back_run_ = 0;                ///< number of such frames in a row with rising numbers
   std::vector<std::byte> buffer_;
   NatNetCounts counts_;
 };

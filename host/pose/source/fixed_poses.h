@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses that need nothing but the captures: those that they bring, and one for all of them.
+// Pose sources that need only the captures: each capture's own pose, or one pose for all.
 #pragma once
 
 #include <memory>
@@ -9,11 +9,13 @@
 
 namespace mixrig::pose {
 
-/// The pose that each capture brings. `only_recorded`: captures whose pose is not of their own
-/// frame have none; otherwise an unknown pose is the identity. `moves`: whether they can differ.
+/// Makes a source of the captures' own poses. `only_recorded`: captures whose pose does not belong
+/// to their own frame have none; otherwise an unknown pose is the identity. `moves`: whether the
+/// poses can differ.
 std::unique_ptr<capture::PoseSource> make_own_poses(bool only_recorded, bool moves = true);
 
-/// `world_from_target` for every capture. `name` and `describe`: texts of the source.
+/// Makes a source that gives `world_from_target` for every capture. `name` and `describe`: texts of
+/// the source.
 std::unique_ptr<capture::PoseSource> make_fixed_pose(const geometry::Pose& world_from_target,
                                                      std::string name, std::string describe);
 

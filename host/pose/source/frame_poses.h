@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pose that each frame is composited with, also where its source has none.
+// Chooses the pose with which each frame is composited, also if its source gives none.
 #pragma once
 
 #include <array>
@@ -11,7 +11,8 @@
 
 namespace mixrig::pose {
 
-/// What virtual objects do while the pose is lost.
+/// Behaviour of virtual objects while the pose is lost: they keep their last place in the picture,
+/// or are hidden.
 enum class WhenLost : std::uint8_t { kFreeze, kHide };
 
 struct FramePoseOptions {
@@ -19,8 +20,9 @@ struct FramePoseOptions {
   WhenLost when_lost = WhenLost::kFreeze;
 };
 
-/// `camera.world_from_target` is what to composite with, lost or not: the last pose that was known,
-/// the identity before the first. A lost pose has neither covariance nor age.
+/// The pose of a frame. `camera.world_from_target` is what to composite with; if the pose is lost
+/// it is the last known pose, before the first one the identity. A lost pose has neither covariance
+/// nor age.
 struct FramePose {
   capture::CameraPose camera;
   bool objects_shown = true;
@@ -28,17 +30,18 @@ struct FramePose {
 
 struct FramePoseCounts {
   std::array<std::uint64_t, capture::kPoseLosses> frames{};  ///< by PoseLoss
-  std::uint64_t jumps = 0;  ///< between successive frames with a pose: faster than a camera moves
+  std::uint64_t jumps = 0;  ///< successive poses farther apart than a camera can move
   std::uint64_t lost() const;
 };
 
-/// Nothing allocates. One thread. The source must outlive it.
+/// Checks poses and replaces lost ones. Nothing allocates. For one thread. The source must outlive
+/// it.
 class FramePoses {
  public:
   FramePoses(capture::PoseSource& source, FramePoseOptions options)
       : source_(source), options_(options) {}
-  /// Objects are hidden in a frame without a pose where the options say so, and always before the
-  /// first pose: there is no place for them yet.
+  /// Returns the pose of the next frame. In a frame without a pose objects are hidden if the
+  /// options say so, and always before the first pose, since they have no place yet.
   FramePose next(const capture::Capture& capture);
   const FramePoseCounts& counts() const { return counts_; }
 

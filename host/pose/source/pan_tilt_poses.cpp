@@ -21,33 +21,35 @@ using geometry::Pose;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr int kChainParameters = 10;  ///< skew, offset, two scales, head_from_camera
-constexpr int kCalibrated = 16;       ///< the same and the board's pose
+constexpr int kCalibrated = 16;       ///< kChainParameters and the board's pose
 
 double angle_rad(const PanTilt::Axis& axis, double encoder_rad) {
   return axis.scale * (encoder_rad + axis.offset_rad);
 }
 
-/// Of the true angle at a reading: play, and the rounding to whole steps, which is uniform.
+/// Returns the variance of the true angle at a reading: play, and the rounding to whole steps,
+/// which is uniform.
 double angle_variance(const PanTilt& unit, const PanTilt::Axis& axis) {
   const double step_rad = axis.scale * axis.step_rad;
   return unit.repeatability_rad * unit.repeatability_rad + step_rad * step_rad / 12;
 }
 
-/// Turns points of base about an axis of base.
+/// Returns the turn about an axis of base, in base axes.
 Pose turn(const PanTilt::Axis& axis, double encoder_rad) {
   const Eigen::Quaterniond rotation(
       Eigen::AngleAxisd(angle_rad(axis, encoder_rad), axis.direction));
   return {rotation, axis.point_m - rotation * axis.point_m};
 }
 
-/// Step of (rotation vector, translation) of a pose per radian about an axis through `point_m`.
+/// Returns the change of (rotation vector, translation) of a pose per radian about an axis through
+/// `point_m`.
 Vector6d turned_by(const Vector3d& direction, const Vector3d& point_m, const Pose& pose) {
   Vector6d step;
   step << direction, direction.cross(pose.translation_m - point_m);
   return step;
 }
 
-/// The chain at some angles, with the tilt axis where the pan has brought it.
+/// The chain at some angles; the tilt axis is turned by the pan.
 struct Chain {
   Pose pan, tilt, base_from_target;
   Vector3d tilt_direction, tilt_point_m;
@@ -61,7 +63,8 @@ Chain chain_at(const PanTilt& unit, const PanTiltAngles& encoder) {
   return chain;
 }
 
-/// d(rotation vector, translation) of base_from_target by the parameters of the calibration.
+/// Returns d(rotation vector, translation) of base_from_target by the parameters of the
+/// calibration.
 Eigen::Matrix<double, 6, kChainParameters> slope(const PanTilt& unit,
                                                  const PanTiltAngles& encoder) {
   const Chain chain = chain_at(unit, encoder);

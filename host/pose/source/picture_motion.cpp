@@ -12,9 +12,9 @@ namespace {
 
 using geometry::Pose;
 
-constexpr double kLongestGap_s = 0.2;    ///< between angles that are interpolated
-constexpr double kLongestStep_s = 0.5;   ///< a longer one says nothing about the next
-constexpr double kAnglesAhead_s = 0.05;  ///< of a picture after the newest plate
+constexpr double kLongestGap_s = 0.2;    ///< longest time between angles that are interpolated
+constexpr double kLongestStep_s = 0.5;   ///< a longer step does not predict the next
+constexpr double kAnglesAhead_s = 0.05;  ///< how far angles are extrapolated after the newest plate
 
 double blend(double a, double b, double share) { return a + share * (b - a); }
 
@@ -49,7 +49,8 @@ void PictureMotion::lose(double time_s) {
   keep({{time_s, {}, capture::PoseCovariance::Zero()}, false, false});
 }
 
-/// Linear between two plates, and a little after the newest.
+/// Interpolates the angles linearly between two plates, and extrapolates for kAnglesAhead_s after
+/// the newest.
 std::optional<device::PanTiltAngles> PictureMotion::angles_at(double time_s) const {
   const std::size_t kept = std::min(count_, angles_.size());
   for (std::size_t back = 1; back < kept; ++back) {
@@ -66,7 +67,7 @@ std::optional<device::PanTiltAngles> PictureMotion::angles_at(double time_s) con
   return std::nullopt;
 }
 
-/// Of the head's base, which what carries the head moves.
+/// Returns the pose of the head's base, which moves with what carries the head.
 std::optional<Pose> PictureMotion::room_from_base(const Picture& picture) const {
   const auto angles = angles_at(picture.time_s);
   if (!angles) return std::nullopt;
@@ -99,7 +100,7 @@ std::optional<Pose> PictureMotion::at(double time_s) const {
   return fisheye * fisheye_from_target_;
 }
 
-/// How many pictures ago; none where it is lost.
+/// Returns how many pictures ago the nearest one was; empty if it is lost.
 std::optional<std::size_t> PictureMotion::nearest(double time_s) const {
   const std::size_t count = std::min(pictures_, kept_.size());
   std::optional<std::size_t> best;
@@ -124,7 +125,7 @@ std::size_t PictureMotion::around(std::size_t nearest, double time_s, double rea
   return oldest - newest + 1;
 }
 
-/// From the fisheye to the head's base, where all angles are known.
+/// Converts poses of the fisheye to poses of the head's base; false unless all angles are known.
 bool PictureMotion::to_base(Around poses) const {
   for (MeasuredPose& p : poses) {
     const auto base = room_from_base({p.time_s, p.room_from_body});

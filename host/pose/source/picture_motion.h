@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the target camera is between and after the tracked pictures of a fisheye.
+// Pose of the target camera between and after the tracked pictures of a fisheye.
 #pragma once
 
 #include <array>
@@ -12,46 +12,47 @@
 
 namespace mixrig::pose {
 
-/// How the plate's time is reached from the newest two pictures.
+/// How the motion is extrapolated from the newest two pictures to the plate's time.
 enum class Predict {
-  kVelocity,  ///< the fisheye's motion goes on (constant velocity)
+  kVelocity,  ///< the fisheye's motion continues (constant velocity)
   kHead,      ///< the head turns by its angles, and what carries it stands still
-  kBoth,      ///< the head turns by its angles, and the motion of what carries it goes on
+  kBoth,      ///< the head turns by its angles, and the motion of what carries it continues
 };
 
-/// Of a body that is fixed to one whose covariance is known, `arm_m` from it; both in axes of the
-/// room.
+/// Returns the covariance of a point fixed to a body of known covariance, `arm_m` away from it;
+/// both in axes of the room.
 capture::PoseCovariance moved_by(const capture::PoseCovariance& covariance,
                                  const Eigen::Vector3d& arm_m);
 
-/// Where the target camera is, by the pictures before and after.
+/// A pose of the target camera, smoothed over earlier and later pictures.
 struct SmoothedPlace {
   geometry::Pose room_from_target;
   capture::PoseCovariance covariance;  ///< in axes of the room
-  double nearest_s = 0;                ///< from the time to the nearest picture
+  double nearest_s = 0;                ///< time to the nearest picture
 };
 
-/// Nothing allocates. Not thread-safe.
+/// Interpolates and extrapolates the pose between pictures. Nothing allocates. Not thread-safe.
 class PictureMotion {
  public:
-  /// Without a chain of the head, kVelocity.
+  /// `head`: calibration of the head; without it kVelocity is used.
   PictureMotion(Predict by, const geometry::Pose& fisheye_from_target,
                 std::optional<calibration_file::PanTilt> head);
 
-  /// Angles of the head at a plate's time; times grow.
+  /// Adds the angles of the head at a plate's time; times grow.
   void add_angles(double time_s, const device::PanTiltAngles& angles);
-  /// The fisheye in the room at a picture's time; times grow. `apart`: found anew, nothing is known
-  /// of the motion before it.
+  /// Adds the pose of the fisheye in the room at a picture's time; times grow. `apart`: the camera
+  /// was found again, and its earlier motion is unknown.
   void add_picture(const MeasuredPose& picture, bool apart);
-  /// The camera is lost in a picture: no pose until the next picture.
+  /// Notes that the camera is lost in a picture: there is no pose until the next picture.
   void lose(double time_s);
 
-  /// room_from_target. Where the angles are not known at the time or at the pictures, by kVelocity.
-  /// Past half a second after the newest picture the motion does not go on.
+  /// Returns room_from_target. It uses kVelocity if the angles are not known at the time or at the
+  /// pictures. Later than half a second after the newest picture the motion is not continued.
   std::optional<geometry::Pose> at(double time_s) const;
-  /// The same by the pictures up to `reach_s` before and after the time, without a lost one
-  /// between (smooth_at). With the head's angles, what carries the head is smoothed; where an angle
-  /// is not known, the fisheye. None where the nearest picture is lost, or half a second away.
+  /// Returns the pose smoothed over the pictures up to `reach_s` before and after the time, without
+  /// a lost one between (smooth_at). With the head's angles, the motion of what carries the head is
+  /// smoothed; if an angle is not known, that of the fisheye. Empty if the nearest picture is lost,
+  /// or half a second away.
   std::optional<SmoothedPlace> smoothed_at(double time_s, double reach_s) const;
 
  private:
@@ -64,7 +65,7 @@ class PictureMotion {
     geometry::Pose room_from_fisheye;
   };
   struct Kept {
-    MeasuredPose fisheye;  ///< the time alone where it is lost
+    MeasuredPose fisheye;  ///< only the time is set if it is lost
     bool known = false, apart = false;
   };
   using Around = std::span<MeasuredPose>;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How well a pose determines where a point of the world is seen.
+// Uncertainty of a point's pixel that follows from the pose's.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,8 +9,9 @@
 
 namespace mixrig::pose {
 
-/// Covariance, px^2, of the pixel of a point of the world, to first order: the Jacobian of the
-/// pinhole by the pose times `covariance`. Precondition: the point lies before the camera.
+/// Returns the covariance, px^2, of the pixel of a point of the world, to first order: the Jacobian
+/// of the pinhole by the pose times `covariance`. Precondition: the point lies in front of the
+/// camera.
 Eigen::Matrix2d point_covariance(const Eigen::Vector3d& world_m,
                                  const geometry::Pose& world_from_camera,
                                  const capture::PoseCovariance& covariance,

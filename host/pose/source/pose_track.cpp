@@ -21,7 +21,7 @@ PoseCovariance both_turned(const Eigen::Quaterniond& by, const PoseCovariance& c
   return j * covariance * j.transpose();
 }
 
-/// Of a product left * right, from those of both.
+/// Returns the covariance of a product left * right from those of both.
 PoseCovariance product(const Pose& left, const PoseCovariance& left_covariance, const Pose& right,
                        const std::optional<PoseCovariance>& right_covariance) {
   PoseCovariance j = PoseCovariance::Identity();
@@ -32,7 +32,7 @@ PoseCovariance product(const Pose& left, const PoseCovariance& left_covariance, 
   return sum;
 }
 
-/// The pose `part` of the way from a to b; beyond b for part > 1.
+/// Returns the pose `part` of the way from a to b; beyond b for part > 1.
 Pose along(const Pose& a, const Pose& b, double part) {
   const Eigen::Vector3d turn = estimation::rotation_log(b.rotation * a.rotation.conjugate());
   return {estimation::rotation_exp(part * turn) * a.rotation,
@@ -43,7 +43,7 @@ DeviceTime stamp_of(double time_s) {
   return DeviceTime(Duration(static_cast<Duration::rep>(std::llround(time_s * 1e9))));
 }
 
-constexpr double kLongest_s = 1e9;  ///< of a stream's clock: more does not fit nanoseconds
+constexpr double kLongest_s = 1e9;  ///< largest time of a stream's clock that fits nanoseconds
 
 }  // namespace
 
@@ -93,7 +93,7 @@ void PoseTrack::add(double time_s, const std::optional<TargetSeen>& seen, HostTi
       break;
   }
   if (check_.faults().clock_steps == steps) return;
-  // The clock was set back by less than DeviceClock can tell from a delay.
+  // The clock was set back by less than DeviceClock can distinguish from a delay.
   clock_ = {};
   (void)clock_.add(stamp_of(time_s), received);
   count_ = 0;
@@ -128,7 +128,8 @@ capture::PoseStream PoseTrack::stream() const {
   return {0, options_.delay_s, seconds(clock_.jitter()), clock_.drift_ppm()};
 }
 
-/// The drift since the newest frame is less than a microsecond.
+/// Returns the stream's time at a host time. The drift since the newest frame is below a
+/// microsecond.
 std::optional<double> PoseTrack::stream_time_s(HostTime at) const {
   if (options_.host_time) return seconds(at.time_since_epoch()) + options_.delay_s;
   const double newest_s = newest(0).timed.t_s;

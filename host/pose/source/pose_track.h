@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The camera's pose at any recent time, from the samples of a stream as they come.
+// The camera's pose at any recent time, from the samples of a running stream.
 #pragma once
 
 #include <array>
@@ -14,12 +14,12 @@
 
 namespace mixrig::pose {
 
-/// Where the target camera sits on a tracked body.
+/// Pose of the target camera on a tracked body.
 struct Mount {
   geometry::Pose body_from_target;
   std::optional<capture::PoseCovariance> covariance;  ///< of body_from_target
 };
-/// Of the entry of a body in a calibration.
+/// Returns the mount from the entry of a body in a calibration.
 Mount mount_of(const calibration_file::CalibratedPose& body);
 
 /// The target camera in one sample of a stream.
@@ -27,7 +27,7 @@ struct TargetSeen {
   geometry::Pose world_from_target;
   std::optional<capture::PoseCovariance> covariance;
 };
-/// The target camera on a body; its covariance where that of the body is known.
+/// Returns the target camera on a body; with a covariance if that of the body is known.
 TargetSeen on_body(const geometry::Pose& world_from_body,
                    const std::optional<capture::PoseCovariance>& body_covariance,
                    const Mount& mount);
@@ -35,25 +35,27 @@ TargetSeen on_body(const geometry::Pose& world_from_body,
 struct PoseTrackOptions {
   double delay_s = 0;         ///< from the exposure of a sample to its earliest arrival
   double most_ahead_s = 0.1;  ///< the motion is continued this far after the newest sample
-  double gap_s = 0.05;        ///< samples farther apart have nothing between them
-  bool host_time = false;     ///< samples have times of the host: their clock is not mapped
+  double gap_s = 0.05;        ///< samples farther apart are not interpolated
+  bool host_time = false;     ///< samples have host times, and their clock is not mapped
 };
 
-/// The last half second and more of a stream. Its clock is mapped to the host's by the least delay
-/// (sync::DeviceClock), of which `delay_s` is the constant part. Thread-safe.
+/// The last kKept samples of a stream. Its clock is mapped to the host's by the least delay
+/// (sync::DeviceClock), whose constant part is `delay_s`. Thread-safe.
 class PoseTrack {
  public:
   explicit PoseTrack(PoseTrackOptions options) : options_(options) {}
 
-  /// A sample by the stream's clock, and when it came; nullopt where the camera is not in it.
+  /// Adds a sample with its time on the stream's clock and its time of arrival; nullopt if the
+  /// camera is not in it.
   void add(double time_s, const std::optional<TargetSeen>& seen, HostTime received);
-  /// Between two samples interpolated; after the newest one the motion of the last kMotion_s goes
-  /// on for most_ahead_s. Covariance: that of the nearest sample, grown by the prediction from two
-  /// noisy poses. Does not allocate.
+  /// Returns the pose at a host time, interpolated between two samples. After the newest one the
+  /// motion of the last kMotion_s is continued for most_ahead_s. Its covariance is that of the
+  /// nearest sample, enlarged by the prediction from two noisy poses. Does not allocate.
   capture::CameraPose at(HostTime mid_exposure) const;
-  /// Of the samples; `refused` counts those without the camera. Nothing of packets.
+  /// Returns the faults of the samples; `refused` counts those without the camera. Counts of
+  /// packets stay 0.
   capture::PoseFaults faults() const;
-  /// Without packets.
+  /// Returns the state of the stream; the count of packets stays 0.
   capture::PoseStream stream() const;
 
   static constexpr double kMotion_s = 0.03;
@@ -66,18 +68,18 @@ class PoseTrack {
   };
   void restart();
   void keep(const Sample& sample);
-  /// The i-th newest.
+  /// Returns the i-th newest sample.
   const Sample& newest(std::size_t i) const { return kept_[(end_ + kKept - 1 - i) % kKept]; }
   std::optional<double> stream_time_s(HostTime at) const;
   capture::CameraPose ahead(double t_s) const;
 
   const PoseTrackOptions options_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   sync::DeviceClock clock_;
   MotionCheck check_;
   std::array<Sample, kKept> kept_{};
   std::size_t end_ = 0, count_ = 0;
-  capture::PoseFaults faults_;  ///< without those of check_
+  capture::PoseFaults faults_;  ///< without the faults of check_
 };
 
 }  // namespace mixrig::pose

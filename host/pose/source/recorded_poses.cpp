@@ -18,11 +18,11 @@ using capture::PoseLoss;
 using trajectory::TimedPose;
 using trajectory::Trajectory;
 
-/// Of times in files: a frame at the very end of a trajectory has a pose.
+/// Rounding of times in files: a frame at the very end of a trajectory has a pose.
 constexpr double kRounding_s = 1e-6;
 
-/// The samples between jumps. A part too short to be told from a wrong sample is left out, unless
-/// there is no other.
+/// Returns the samples between jumps as parts. A part too short to be distinguished from a wrong
+/// sample is left out, unless it is the only one.
 std::vector<Trajectory> parts_of(const std::vector<TimedPose>& samples, MotionCheck& check) {
   std::vector<std::vector<TimedPose>> runs;
   for (const TimedPose& sample : samples) {
@@ -44,7 +44,7 @@ std::vector<Trajectory> parts_of(const std::vector<TimedPose>& samples, MotionCh
   return parts;
 }
 
-/// Time from `t_s` to the nearest sample.
+/// Returns the time from `t_s` to the nearest sample.
 double age_s(const Trajectory& part, double t_s) {
   const auto& samples = part.samples();
   const auto after = std::lower_bound(samples.begin(), samples.end(), t_s,
@@ -54,7 +54,7 @@ double age_s(const Trajectory& part, double t_s) {
   return age;
 }
 
-/// The times before and after the first place where time runs backwards.
+/// Returns the times before and after the first place where time runs backwards.
 std::optional<std::pair<double, double>> backward_step(const std::vector<TimedPose>& samples) {
   double last_s = -std::numeric_limits<double>::infinity();
   for (const TimedPose& sample : samples) {

@@ -20,9 +20,10 @@ using SmallColumn = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
 
 /// Spectral densities of the jerk of a rotation, rad^2/s^5.
 constexpr std::array<double, 4> kJerks{1e-3, 1e-1, 1e1, 1e3};
-constexpr double kOfPlaces = 0.25;  ///< densities of places, m^2/s^5, to those of rotations
+/// Ratio of the densities of positions, m^2/s^5, to those of rotations.
+constexpr double kOfPlaces = 0.25;
 
-/// Covariance of white noise that was integrated three times, from 0 to each of two times.
+/// Returns the covariance, between two times, of white noise that is integrated three times from 0.
 double integrated(double a_s, double b_s) {
   const double t = std::min(a_s, b_s), d = std::abs(a_s - b_s);
   return t * t * t * (t * t / 20 + d * t / 8 + d * d / 12);
@@ -30,10 +31,11 @@ double integrated(double a_s, double b_s) {
 
 struct Estimate {
   double value = 0, variance = 0;
-  double log_likelihood = 0;  ///< restricted: of what no parabola explains
+  double log_likelihood = 0;  ///< restricted likelihood: of the part that no parabola explains
 };
 
-/// One coordinate at all times; all strengths of the jerk share what depends on the times alone.
+/// One coordinate at all times. Values that depend only on the times are shared by all strengths of
+/// the jerk.
 class Spline {
  public:
   Spline(std::span<const MeasuredPose> around, double time_s) {
@@ -78,12 +80,12 @@ class Spline {
 
  private:
   Terms terms_;     ///< powers of the time from `time_s`
-  Square prior_;    ///< of a jerk of 1
-  Column to_time_;  ///< the same between the poses and `time_s`
-  double at_time_;  ///< and of `time_s`
+  Square prior_;    ///< prior covariance for a jerk of 1
+  Column to_time_;  ///< prior covariance between the poses and `time_s`
+  double at_time_;  ///< prior variance at `time_s`
 };
 
-/// The mean over the strengths of the jerk, by their likelihoods.
+/// Returns the mean over the strengths of the jerk, weighted by their likelihoods.
 Estimate mean_of(const Spline& spline, const Column& values, const Column& variances,
                  double of_rotations) {
   std::array<Estimate, kJerks.size()> all;

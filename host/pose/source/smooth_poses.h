@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pose at a time from poses before and after it.
+// Smooths a pose with poses before and after it.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace mixrig::pose {
 
-/// A pose that was measured at a time; the covariance in axes of the room.
+/// A pose measured at a time; the covariance is in axes of the room.
 struct MeasuredPose {
   double time_s = 0;
   geometry::Pose room_from_body;
@@ -19,13 +19,13 @@ struct MeasuredPose {
 
 inline constexpr std::size_t kMostSmoothed = 32;
 
-/// The pose at `time_s`: each coordinate of the rotation vector and the place about the nearest
-/// pose is a smoothing spline (Wahba 1990) through those of `around`, weighted by their variances.
-/// The motion's jerk is white noise; results for four strengths of it, from a stand to a jolt, are
-/// averaged by how likely each makes the poses, so that a sudden motion is followed and a steady
-/// one smoothed. From both sides the result has no lag. Precondition: 1 to kMostSmoothed poses,
+/// Returns the pose at `time_s`. Each coordinate of the rotation vector and the position about the
+/// nearest pose is a smoothing spline (Wahba 1990) through those of `around`, weighted by their
+/// variances. The motion's jerk is white noise; results for four strengths of it, from a stand to a
+/// jolt, are averaged by their likelihood, so that a sudden motion is followed and a steady one
+/// smoothed. Poses on both sides give a result without lag. Precondition: 1 to kMostSmoothed poses,
 /// their times grow. The covariance is that of the nearest pose, and at least the spline's
-/// variances: what the poses have in common does not average out. Does not allocate.
+/// variances, since errors that the poses have in common do not average out. Does not allocate.
 MeasuredPose smooth_at(std::span<const MeasuredPose> around, double time_s);
 
 }  // namespace mixrig::pose

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// World frames that a take without poses can have.
+// World frames for takes without poses.
 #pragma once
 
 #include "host/math/geometry/plane.h"
@@ -7,9 +7,9 @@
 
 namespace mixrig::session {
 
-/// world_from_camera for `pose = "floor"`: origin on the floor below the camera, z up, y along the
-/// floor in viewing direction (for a camera that looks straight up or down: where its image's top
-/// points), x right. `floor` is in camera axes, its normal towards the camera.
+/// Returns world_from_camera for `pose = "floor"`: origin on the floor below the camera, z up, y
+/// along the floor in viewing direction (for a camera that looks straight up or down: the direction
+/// of its image's top), x right. `floor` is in camera axes, its normal towards the camera.
 geometry::Pose world_from_camera_on_floor(const geometry::Plane& floor);
 
 }  // namespace mixrig::session

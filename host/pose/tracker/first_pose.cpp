@@ -16,19 +16,20 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using std::numbers::pi;
 
-constexpr double kStep_rad = 0.11;  ///< of rotations
-constexpr double kStep_m = 0.36;    ///< of places
-constexpr double kPixel_rad = 0.1;  ///< of the coarse picture and room, about
-constexpr std::size_t kRays = 256;  ///< of the picture that are compared
+constexpr double kStep_rad = 0.11;  ///< grid step of rotations
+constexpr double kStep_m = 0.36;    ///< grid step of positions
+constexpr double kPixel_rad = 0.1;  ///< approximate pixel of the coarse picture and room
+constexpr std::size_t kRays = 256;  ///< rays of the picture that are compared
 constexpr float kLeastCorrelation = 0.3F;
 constexpr std::size_t kSecondTurns = 200, kTurnsOfPlace = 30;
-constexpr std::size_t kFirstRays = 64;  ///< of them, with all rotations
-/// A second pose that explains so much of what the first one does makes it a guess.
+constexpr std::size_t kFirstRays = 64;  ///< rays compared with all rotations
+/// If a second pose explains this share of what the best one explains, the best one is ambiguous
+/// and refused.
 constexpr double kAsGood = 0.8;
 constexpr int kCoarsePatches = 100;
 constexpr std::size_t kCoarse = 160, kFine = 24;  ///< poses that are aligned
 
-/// The room as it looks from a place: grey values on the six faces of a cube, -1 unknown.
+/// A view of the room from a position: grey values on the six faces of a cube, -1 unknown.
 class Around {
  public:
   static constexpr int kSide = 24;
@@ -39,7 +40,7 @@ class Around {
     if (range < range_[at]) range_[at] = range, grey_[at] = grey;
   }
   float at(const Vector3f& ray) const { return grey_[index(ray)]; }
-  /// Fills pixels that nothing fell into from their neighbours.
+  /// Fills empty pixels from their neighbours.
   void fill() {
     const auto before = grey_;
     for (std::size_t face = 0; face < 6; ++face)
@@ -82,8 +83,8 @@ class Around {
 
 using Surface = FirstPose::Surface;
 
-/// Places on the room's surface, about two for each pixel of Around, with the mean of its colour
-/// around them.
+/// Returns points on the room's surface, about two for each pixel of Around, each with the mean
+/// colour around it.
 std::vector<Surface> surfaces_of(const model::Panorama& room) {
   std::vector<Surface> all;
   const int width = room.color.width(), height = room.color.height();
@@ -111,7 +112,7 @@ std::vector<Surface> surfaces_of(const model::Panorama& room) {
   return all;
 }
 
-/// Rotation vectors on a cubic grid in a ball.
+/// Returns rotations whose rotation vectors lie on a cubic grid in a ball.
 std::vector<Eigen::Matrix3f> turns_within(double radius_rad) {
   std::vector<Eigen::Matrix3f> turns;
   const int n = static_cast<int>(std::floor(radius_rad / kStep_rad));
@@ -153,7 +154,7 @@ float correlation(std::span<const Ray> rays, const Eigen::Matrix3f& room_from_ca
   return va > 0 && vb > 0 ? (ab - a * b / n) / std::sqrt(va * vb) : -1;
 }
 
-/// Rays of the picture's level whose pixels are about as large as the coarse room's.
+/// Returns rays of the picture's level whose pixels are about as large as the coarse room's.
 std::vector<Ray> rays_of(const GreyPyramid& picture, const geometry::AnyCamera& camera) {
   const double per_rad = geometry::parameters_of(camera)[0];
   int k = 0;
@@ -165,7 +166,7 @@ std::vector<Ray> rays_of(const GreyPyramid& picture, const geometry::AnyCamera& 
       const auto ray = geometry::unproject(camera, {up(x, k), up(y, k)});
       if (ray && image.row(y)[x] > 0) all.push_back({ray->cast<float>(), image.row(y)[x]});
     }
-  // Evenly over the picture, and so are the first few.
+  // The rays are spread evenly over the picture, also the first few of them.
   std::vector<Ray> some;
   const std::size_t count = std::min(kRays, all.size()), few = std::min(kFirstRays, count);
   for (std::size_t first = 0; first * few < count; ++first)
@@ -174,7 +175,7 @@ std::vector<Ray> rays_of(const GreyPyramid& picture, const geometry::AnyCamera& 
   return some;
 }
 
-/// Places of a cubic grid in a ball that the room leaves free.
+/// Returns positions of a cubic grid in a ball that lie in the room's free space.
 std::vector<Vector3d> places_within(const SearchField& field, const PatchMap& map) {
   std::vector<Vector3d> places;
   const int n = static_cast<int>(std::floor(field.radius_m / kStep_m));
@@ -196,7 +197,8 @@ void keep_best(std::size_t count, std::vector<Guess>& all) {
   all.resize(kept);
 }
 
-/// The best rotations at one place: of all by few rays, then of some by all rays.
+/// Returns the best rotations at one position: all rotations are compared by few rays, the best of
+/// them by all rays.
 std::vector<Guess> turns_of(std::span<const Ray> rays, std::span<const Eigen::Matrix3f> turns,
                             const Around& around) {
   std::vector<Guess> best;
@@ -214,7 +216,7 @@ std::vector<Guess> turns_of(std::span<const Ray> rays, std::span<const Eigen::Ma
   return best;
 }
 
-/// The first `count` that are no repetition of one before.
+/// Keeps the first `count` poses that do not repeat an earlier one.
 void keep_different(std::size_t count, std::vector<PatchFit>& best_first) {
   constexpr double kSame_m = 0.05, kSame_rad = 0.03;
   std::vector<PatchFit> kept;

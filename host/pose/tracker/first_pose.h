@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a camera is, without a start value.
+// Finds the pose of a camera without a start value.
 #pragma once
 
 #include <optional>
@@ -10,37 +10,37 @@
 
 namespace mixrig::tracking {
 
-/// The camera is looked for around a place.
+/// Region of poses in which the camera is searched for.
 struct SearchField {
-  geometry::Pose room_from_camera;  ///< its middle
+  geometry::Pose room_from_camera;  ///< middle of the region
   double radius_m = 1.2;
   double radius_rad = 1.2;
 };
 
-/// Finds a camera whose pose is not known.
+/// Searches for the pose of a camera.
 class PoseFinder {
  public:
   virtual ~PoseFinder() = default;
-  /// A pose that explains the picture (`explains`); none rather than a guess. `field` says where to
-  /// look, where the finder needs it.
+  /// Returns a pose that explains the picture (`explains`); empty if there is none, never a guess.
+  /// `field`: where to search, if the finder needs it.
   virtual std::optional<PatchFit> find(const GreyPyramid& picture,
                                        const SearchField& field) const = 0;
 };
 
 /// Compares a coarse picture with the coarse room at all poses of a grid, by the correlation of
-/// grey values along the picture's rays; the best of them are aligned, the best of those down to
+/// grey values along the picture's rays; the best poses are aligned, and the best of these down to
 /// the finest level. Not thread-safe; allocates.
 class FirstPose final : public PoseFinder {
  public:
-  /// Map and camera must outlive it.
+  /// `map` and `camera` must outlive it.
   FirstPose(const model::Panorama& room, const PatchMap& map, const geometry::AnyCamera& camera,
             const AlignOptions& options, Crew& crew);
 
-  /// The best pose, or none where no pose of the field explains the picture (`explains`),
-  /// or another one explains it nearly as well.
+  /// Returns the best pose; empty if no pose of the field explains the picture (`explains`), or if
+  /// another one explains it nearly as well.
   std::optional<PatchFit> find(const GreyPyramid& picture, const SearchField& field) const override;
 
-  /// A place on the coarse room.
+  /// A point on the coarse room.
   struct Surface {
     Eigen::Vector3f place_m;
     float grey;
@@ -59,9 +59,10 @@ class FirstPose final : public PoseFinder {
   std::vector<Surface> surfaces_;
 };
 
-/// Of the patches that should be seen, those that look and lie as they should; 0 to 1.
+/// Returns the share, 0 to 1, of the patches expected in the picture that match it in grey values
+/// and position.
 double share_of(const PatchFit& fit);
-/// Whether patches enough to trust the pose look and lie as they should.
+/// Whether enough patches match in grey values and position to trust the pose.
 bool explains(const PatchFit& fit);
 
 }  // namespace mixrig::tracking

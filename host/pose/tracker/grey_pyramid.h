@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Grey pictures of falling size.
+// An image pyramid of grey pictures.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,13 @@
 
 namespace mixrig::tracking {
 
-/// Level 0 has the picture's size, each other half of the one before, rounded down. Pixel x of
-/// level k covers pixels 2^k x to 2^k (x + 1) - 1. Luma (Rec. 601) of the sRGB values, 0 to 255.
+/// Level 0 has the picture's size, each other level half that of the level before, rounded down.
+/// Pixel x of level k covers pixels 2^k x to 2^k (x + 1) - 1. Values are luma (Rec. 601) of the
+/// sRGB values, 0 to 255.
 class GreyPyramid {
  public:
-  /// Keeps its memory while size and number stay. Stops before a side is below 16 pixels.
+  /// Builds the levels; keeps its memory while size and number stay. Stops before a side is below
+  /// 16 pixels.
   void build(ImageView<const Rgb8> picture, int levels, Crew& crew);
 
   int levels() const { return static_cast<int>(levels_.size()); }
@@ -24,7 +26,7 @@ class GreyPyramid {
   std::vector<Image<float>> levels_;
 };
 
-/// The place of `px`, a pixel of level 0, in level k, and back.
+/// Converts a coordinate of level 0 to level k, and back.
 inline double down(double px, int k) { return (px + 0.5) / (1 << k) - 0.5; }
 inline double up(double px, int k) { return (px + 0.5) * (1 << k) - 0.5; }
 

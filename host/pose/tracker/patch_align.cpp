@@ -19,9 +19,9 @@ using Eigen::Vector3d;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kFloor_px = 0.1;     ///< error of a patch's place beside noise, a side
-constexpr double kFarthest_px = 2.5;  ///< what the gradients can tell about
-constexpr float kLeastNoise = 1.5F;   ///< of a grey value, of 255
+constexpr double kFloor_px = 0.1;     ///< error of a patch's position besides noise, per axis
+constexpr double kFarthest_px = 2.5;  ///< largest offset that the gradients can measure
+constexpr float kLeastNoise = 1.5F;   ///< smallest noise of a grey value, of 255
 constexpr double kTukey = 4.685;
 constexpr double kStill_px = 0.01;
 
@@ -99,7 +99,7 @@ void PatchAlign::look(const GreyPyramid& picture, const geometry::Pose& pose, in
   }
   s.in_picture = true;
   s.correlation = energy > 0 ? product / std::sqrt(energy * p.energy) : 0;
-  // By regression: noise must not count as contrast.
+  // The contrast follows from a regression, so that noise does not count as contrast.
   const float share = std::max(s.correlation, 0.4F);
   const float contrast = std::clamp(share * std::sqrt(energy / p.energy), 0.02F, 5.0F);
   double by_u = 0, by_v = 0, squares = 0;
@@ -154,7 +154,7 @@ double PatchAlign::weigh(double least_correlation) {
   return scale;
 }
 
-/// Moves the pose; false where the patches do not determine it.
+/// Moves the pose by one step; false if the patches do not determine it.
 bool PatchAlign::step(geometry::Pose& pose, double& moved) {
   Matrix6 normal = Matrix6::Zero();
   Vector6 right = Vector6::Zero();
@@ -164,7 +164,8 @@ bool PatchAlign::step(geometry::Pose& pose, double& moved) {
     normal += weighted * s.jacobian;
     right -= weighted * s.offset;
   }
-  // As if the start were known to 0.3 rad and 0.5 m: less than any useful picture tells.
+  // A weak prior on the start, 0.3 rad and 0.5 m, which carries less information than any useful
+  // picture.
   normal.diagonal().array() += 1e-9;
   normal.diagonal().head<3>().array() += 1 / (0.3 * 0.3);
   normal.diagonal().tail<3>().array() += 1 / (0.5 * 0.5);

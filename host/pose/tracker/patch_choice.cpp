@@ -12,7 +12,7 @@ namespace {
 constexpr double kLeastScale = 0.7071, kMostScale = 1.4142;
 constexpr float kLeastFacing = 0.2F;  ///< cosine of incidence
 
-/// Pixels of the middle of the picture per radian.
+/// Returns the pixels per radian in the middle of the picture.
 double pixels_per_rad(const geometry::AnyCamera& camera) {
   return geometry::parameters_of(camera)[0];
 }
@@ -22,7 +22,7 @@ double pixels_per_rad(const geometry::AnyCamera& camera) {
 PatchChoice::PatchChoice(const PatchMap& map, const geometry::AnyCamera& camera, int patches)
     : map_(map), camera_(camera), most_(static_cast<std::size_t>(patches)) {
   const Size size = geometry::size_px(camera);
-  // Two of the kept of each cell are enough to reach the number where half of the cells are empty.
+  // If half of the cells are empty, two patches per other cell reach the number.
   const double side = std::sqrt(static_cast<double>(size.area()) / patches);
   cells_ = {std::max(1, static_cast<int>(size.width / side)),
             std::max(1, static_cast<int>(size.height / side))};

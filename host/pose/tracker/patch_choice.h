@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which patches of a room a camera at a pose sees. Private to this module.
+// Chooses the patches of a room that a camera sees. Private to this module.
 #pragma once
 
 #include <array>
@@ -11,14 +11,14 @@
 
 namespace mixrig::tracking {
 
-/// Chooses again for each picture and level; does not allocate after construction.
+/// Chooses patches for each picture and level; does not allocate after construction.
 class PatchChoice {
  public:
-  /// `patches`: most of one picture. The map must outlive it.
+  /// `patches`: largest number per picture. The map must outlive it.
   PatchChoice(const PatchMap& map, const geometry::AnyCamera& camera, int patches);
 
-  /// Patches whose pixels are between 0.71 and 1.41 pixels of picture level k, that face the camera
-  /// and are not hidden; the best of each of equally large cells of the picture.
+  /// Returns patches whose pixels are between 0.71 and 1.41 pixels of picture level k, that face
+  /// the camera and are not hidden; the best of each of equally large cells of the picture.
   const std::vector<const Patch*>& choose(const geometry::Pose& camera_from_room, int k);
 
  private:

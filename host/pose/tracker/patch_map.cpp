@@ -13,10 +13,10 @@ using Eigen::Vector3f;
 using std::numbers::pi;
 
 constexpr float kUnknown = -1;
-constexpr double kSteepest_rad = 80 * pi / 180;  ///< elevation of a patch at most
-/// A coarser level smooths over depth steps anyway.
+constexpr double kSteepest_rad = 80 * pi / 180;  ///< largest elevation of a patch
+/// Pixel size above which depth steps are ignored: a coarser level smooths over them anyway.
 constexpr double kStepsMatter_rad = 0.012;
-constexpr float kLeastContrast = 2;  ///< standard deviation of grey values, of 255
+constexpr float kLeastContrast = 2;  ///< smallest standard deviation of grey values, of 255
 constexpr double kLeastKnown = 0.75;
 
 float luma(const Rgb8& c) {
@@ -60,12 +60,12 @@ struct Level {
   const model::Panorama& room;
   double pixel_rad = 0;
 
-  /// Columns that one pixel of a patch covers in row y.
+  /// Returns the number of columns that one pixel of a patch covers in row y.
   int stride(int y) const {
     const double elevation = pi * (0.5 - (y + 0.5) / grey.height());
     return std::clamp(static_cast<int>(std::lround(1 / std::cos(elevation))), 1, 8);
   }
-  /// Mean of `stride` columns from x on.
+  /// Returns the mean of `stride` columns from x on.
   float value(int x, int y, int stride) const {
     const float* row = grey.row(y);
     float sum = 0;
@@ -82,7 +82,7 @@ struct Level {
     return {-std::cos(elevation) * std::sin(azimuth), std::cos(elevation) * std::cos(azimuth),
             std::sin(elevation)};
   }
-  /// The pixel of the room's distances at a place of this level.
+  /// Returns the pixel of the room's distances at a position of this level.
   std::pair<int, int> at(double x, double y) const {
     const double scale_x = static_cast<double>(room.size().width) / grey.width();
     const double scale_y = static_cast<double>(room.size().height) / grey.height();
@@ -93,7 +93,8 @@ struct Level {
   }
 };
 
-/// Distance between the pixels: its inverse is interpolated where there is no depth step.
+/// Returns the distance at a position between pixels; the inverse is interpolated unless there is a
+/// depth step.
 float distance_between(const Level& level, double x, double y) {
   const Image<float>& d = level.room.distance_m;
   const double fx = (x + 0.5) * d.width() / level.grey.width() - 0.5;
@@ -111,7 +112,7 @@ float distance_between(const Level& level, double x, double y) {
   return 1 / ((1 - v) * ((1 - u) / four[0] + u / four[1]) + v * ((1 - u) / four[2] + u / four[3]));
 }
 
-/// Grey values of a patch with a border of one pixel.
+/// Side of a patch with a border of one pixel.
 constexpr int kWide = kWidePatch;
 using WideGrey = std::array<float, kWide * kWide>;
 
@@ -126,7 +127,7 @@ bool read_wide(const Level& level, int x, int y, int stride, WideGrey& out) {
   return known >= kLeastKnown * kWide * kWide;
 }
 
-/// Places of the pixels; false where they are not known or lie on two surfaces.
+/// Sets the positions of the pixels; false if they are unknown or lie on two surfaces.
 bool fill_places(const Level& level, int x, int y, int stride, Patch& p) {
   std::array<Vector3d, kPatchPixels> places;
   std::array<float, kPatchPixels> distances{};
@@ -155,8 +156,8 @@ bool fill_places(const Level& level, int x, int y, int stride, Patch& p) {
   return true;
 }
 
-/// The picture whose pixels are nearest to those asked for: of whole pixels of the room's colour,
-/// without a rest that would shift it.
+/// Returns the level whose pixel is nearest to `finest_rad`. It averages whole pixels of the room's
+/// colour, without a remainder that would shift it.
 Level finest_level(const model::Panorama& room, double finest_rad) {
   const double own_rad = 2 * pi / room.color.width();
   int factor = 1;
@@ -167,7 +168,8 @@ Level finest_level(const model::Panorama& room, double finest_rad) {
   return {grey_of(room.color, factor), room, own_rad * factor};
 }
 
-/// The best patch of each cell: `rows` bands of elevation, in each as many cells as are square.
+/// Keeps the best patch of each cell: `rows` bands of elevation, each split into cells that are
+/// about square.
 class Cells {
  public:
   explicit Cells(int count)
@@ -220,7 +222,7 @@ std::vector<Patch> patches_of(const Level& level, int count, Crew& crew) {
   crew.rows(level.grey.height() - kWide, 8,
             [&](int begin, int end) { score_rows(level, begin + 1, end + 1, scores); });
   const Cells cells(count);
-  // Several a cell, since the best may lie over a depth step.
+  // Candidates per cell: several, since the best may lie across a depth step.
   constexpr std::size_t kTries = 6;
   std::vector<std::array<Candidate, kTries>> best(static_cast<std::size_t>(cells.total()));
   for (int y = 0; y < scores.height(); ++y)

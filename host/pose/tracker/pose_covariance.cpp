@@ -17,7 +17,7 @@ using SixBySix = Eigen::Matrix<double, 6, 6>;
 constexpr std::size_t kParts = 24;
 constexpr int kFewestOfPart = 3;
 
-/// The part of the room in a direction: the longest axis and the signs of all three.
+/// Returns the part of the room in a direction, by its longest axis and the signs of all three.
 std::size_t part_of_room(const Eigen::Vector3f& direction) {
   int axis = 0;
   direction.cwiseAbs().maxCoeff(&axis);
@@ -26,7 +26,7 @@ std::size_t part_of_room(const Eigen::Vector3f& direction) {
   return static_cast<std::size_t>(8 * axis + signs);
 }
 
-/// s^T A^-1 s.
+/// Returns s^T A^-1 s.
 double squared_in_sigmas(const Eigen::Vector3d& s, const Eigen::Matrix3d& a) {
   return s.dot(geometry::SymmetricSolver<3>(a).solve(s));
 }
@@ -36,11 +36,11 @@ double squared_in_sigmas(const Eigen::Matrix<double, 1, 1>& s,
   return a.value() > std::numeric_limits<double>::min() ? s.value() * (s.value() / a.value()) : 0;
 }
 
-/// An error of N numbers that the patches of a part of the room have in common.
+/// An error of N parameters that the patches of a part of the room share.
 template <int N>
 class CommonError {
  public:
-  /// `by_error`: the patch's offset by the error.
+  /// Adds a patch; `by_error` is the derivative of its offset by the error.
   void add(const PatchAlign::Seen& s, const Eigen::Matrix<double, 2, N>& by_error) {
     const Eigen::Matrix<double, N, 2> weighted = s.weight * by_error.transpose() * s.information;
     Part& part = parts_[part_of_room(s.patch->centre_m)];
@@ -49,7 +49,7 @@ class CommonError {
     part.score += weighted * s.offset;
     part.pull += s.jacobian.transpose() * weighted.transpose();
   }
-  /// Sums up the parts; `inverse`: of the pose's normal equations.
+  /// Sums over the parts; `inverse` is that of the pose's normal equations.
   void finish(const SixBySix& inverse) {
     for (const Part& part : parts_) {
       if (part.patches < kFewestOfPart) continue;
@@ -63,19 +63,22 @@ class CommonError {
     }
     by_variance_ -= (inverse * pulls_).trace();
   }
-  /// On the right side of the normal equations, where patches err on their own by variance `own`.
+  /// Returns the covariance of the right side of the normal equations, if patches have independent
+  /// errors of variance `own`.
   SixBySix covariance(double own) const {
     if (!(by_variance_ > 0)) return SixBySix::Zero();
     return std::max(0.0, squares - own * std::max(0.0, freedom - 6)) / by_variance_ * pulls_;
   }
-  double squares = 0, freedom = 0;  ///< of the offsets, that the parts' errors explain
+  /// Squares and degrees of freedom of the offsets that the shared errors explain.
+  double squares = 0, freedom = 0;
 
  private:
   struct Part {
     int patches = 0;
     Eigen::Matrix<double, N, N> information = Eigen::Matrix<double, N, N>::Zero();
     Eigen::Matrix<double, N, 1> score = Eigen::Matrix<double, N, 1>::Zero();
-    Eigen::Matrix<double, 6, N> pull = Eigen::Matrix<double, 6, N>::Zero();  ///< on the pose
+    /// Effect of the error on the right side of the normal equations.
+    Eigen::Matrix<double, 6, N> pull = Eigen::Matrix<double, 6, N>::Zero();
   };
   std::array<Part, kParts> parts_{};
   double by_variance_ = 0;

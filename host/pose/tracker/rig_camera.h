@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera of the rig and where it sits, from a calibration file.
+// A camera of the rig and its pose, from a calibration file.
 #pragma once
 
 #include <filesystem>
@@ -16,8 +16,8 @@ struct RigCamera {
   geometry::Pose camera_from_target;
 };
 
-/// `name`: "fisheye" or "target". Errors: those of the file; kData where it lacks the camera or its
-/// pose.
+/// Reads the camera `name`, "fisheye" or "target". Errors: those of the file; kData if it lacks the
+/// camera or its pose.
 Result<RigCamera> rig_camera(const std::filesystem::path& calibration, const std::string& name);
 
 }  // namespace mixrig::session

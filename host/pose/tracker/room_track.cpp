@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// e^T C^-1 e of the camera's pose in the room.
+/// Returns e^T C^-1 e of the camera's pose in the room.
 double nees_of(const tracking::TrackedPose& pose, const geometry::Pose& true_room_from_camera) {
   const Eigen::AngleAxisd turn(true_room_from_camera.rotation *
                                pose.room_from_camera.rotation.conjugate());
@@ -30,7 +30,7 @@ double nees_of(const tracking::TrackedPose& pose, const geometry::Pose& true_roo
   return e.dot(geometry::SymmetricSolver<6>(pose.covariance).solve(e));
 }
 
-/// What follows from a picture's pose.
+/// Computes the values that follow from a picture's pose.
 class Placed {
  public:
   Placed(const std::optional<geometry::Pose>& world_from_base,
@@ -48,8 +48,8 @@ class Placed {
   const geometry::Pose world_from_base_, camera_from_target_;
 };
 
-/// The pictures with each pose smoothed by those without a lost one between, up to `reach_s` before
-/// and after it.
+/// Returns the pictures with each pose smoothed over those up to `reach_s` before and after it,
+/// without a lost one between.
 std::vector<TrackedPicture> smoothed(const std::vector<TrackedPicture>& pictures, double reach_s,
                                      const Placed& placed) {
   std::vector<TrackedPicture> all = pictures;
@@ -75,19 +75,20 @@ std::vector<TrackedPicture> smoothed(const std::vector<TrackedPicture>& pictures
   return all;
 }
 
-/// Number of the frame that is played as the `step`th: to and fro.
+/// Returns the number of the frame that is played at `step`, forwards and backwards.
 int played_frame(int step, int frames) {
   const int pass = step / frames, at = step % frames;
   return pass % 2 == 0 ? at + 1 : frames - at;
 }
 
-/// Time of a picture when the take is played to and fro, begin_s to end_s; grows.
+/// Returns the time of a picture when the take is played forwards and backwards, begin_s to end_s;
+/// it grows.
 double played_s(double time_s, int pass, double begin_s, double end_s) {
   const double before_s = pass * (end_s - begin_s);
   return pass % 2 == 0 ? before_s + time_s : before_s + begin_s + end_s - time_s;
 }
 
-/// Squares on the places of the patches: green where they count, red where they do not.
+/// Draws squares on the patches: green if they count, red if not.
 void draw_patches(const tracking::PatchAlign& patches, Image<Rgb8>& picture) {
   constexpr int kHalf = 2;
   for (const auto& seen : patches.seen()) {
@@ -119,7 +120,7 @@ Result<void> write_drawing(const fs::path& folder, std::size_t number,
 
 Result<RoomTrack> track_room(const RoomTrackOptions& options) {
   MIXRIG_ASSIGN(const auto rooms, model::load_rooms(options.room));
-  const model::RoomFile& room = rooms.front().room;  // of joined rooms the first
+  const model::RoomFile& room = rooms.front().room;  // the first of joined rooms
   MIXRIG_ASSIGN(const auto source, take::open_take_source(options.take));
   MIXRIG_ASSIGN(const RigCamera camera,
                 tracked_camera(options.camera, options.calibration, source->info()));
@@ -135,7 +136,7 @@ Result<RoomTrack> track_room(const RoomTrackOptions& options) {
   track.world_known = place.has_value();
   capture::Capture capture;
   const int frames = source->info().frames, steps = frames * options.passes;
-  double begin_s = 0, end_s = 0;  // of the take, half a frame before and after its pictures
+  double begin_s = 0, end_s = 0;  // of the take: half a frame before and after its pictures
   for (int step = 0; step < steps; ++step) {
     MIXRIG_ASSIGN(const bool there, source->read(played_frame(step, frames), capture));
     if (!there) break;

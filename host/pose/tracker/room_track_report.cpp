@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a tracked path is worth: errors against truth, and the path as text.
+// Reports a tracked path: errors against truth, and the path as text.
 #include <algorithm>
 #include <cmath>
 
@@ -65,7 +65,7 @@ double rms_of(const std::vector<double>& values) {
   return values.empty() ? 0 : std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-/// Of y over x by least squares; 0 for fewer than two values.
+/// Returns the least-squares slope of y over x; 0 for fewer than two values.
 double slope_of(const std::vector<double>& x, const std::vector<double>& y) {
   const double mean_x = mean_of(x), mean_y = mean_of(y);
   double xx = 0, xy = 0;

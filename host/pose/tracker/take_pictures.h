@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pictures of one camera of a take, and where the camera truly was.
+// Pictures of one camera of a take, and its true poses.
 #pragma once
 
 #include <filesystem>
@@ -14,30 +14,31 @@ namespace mixrig::session {
 
 enum class TrackedCamera { kFisheye, kTarget };
 
-/// The camera, from `calibration` or, where that is empty, from what the take says. Errors: kUsage
-/// where nothing says where the fisheye is; those of rig_camera.
+/// Reads the camera from `calibration`, or from the take if that is empty. Errors: kUsage if the
+/// fisheye's pose is not given; those of rig_camera().
 Result<RigCamera> tracked_camera(TrackedCamera camera, const std::filesystem::path& calibration,
                                  const capture::SourceInfo& info);
 
-/// The picture of a capture and its time on the clock of Capture::time_s; no picture where it has
-/// none of its own.
+/// A picture of a capture and its time on the clock of Capture::time_s; null if the capture has no
+/// picture of its own.
 struct TakePicture {
   const Image<Rgb8>* image = nullptr;
   double time_s = 0;
 };
 TakePicture picture_of(const capture::Capture& capture, TrackedCamera camera);
 
-/// Errors: kData where the picture has another size than the camera was calibrated with.
+/// Checks the size of a picture. Errors: kData if it differs from the size that the camera was
+/// calibrated with.
 Result<void> check_size(const TakePicture& picture, const geometry::AnyCamera& camera,
                         const std::filesystem::path& take);
 
-/// True poses by time: of the fisheye from truth/fisheye.tum, of the target camera from poses of
-/// the take that are true.
+/// True poses by time: those of the fisheye from truth/fisheye.tum, those of the target camera from
+/// true poses of the take.
 class TruePath {
  public:
   TruePath(TrackedCamera camera, const std::filesystem::path& take, const capture::SourceInfo& info,
            const RigCamera& rig);
-  /// world_from_target.
+  /// Returns the true world_from_target.
   std::optional<geometry::Pose> at(double time_s, const capture::Capture& capture) const;
 
  private:

@@ -12,9 +12,9 @@ namespace mixrig::tracking {
 namespace {
 
 constexpr int kPyramidLevels = 6;
-/// A longer step says nothing about the next one.
+/// Longest time over which constant velocity is assumed; a longer step does not predict the next.
 constexpr double kLongestStep_s = 0.5;
-constexpr double kFinerThanPicture = 0.75;  ///< pixels of the room to those of the picture
+constexpr double kFinerThanPicture = 0.75;  ///< size of the room's pixels relative to the picture's
 
 PatchMapOptions map_options(const geometry::AnyCamera& camera, const AlignOptions& align) {
   PatchMapOptions options;
@@ -85,7 +85,8 @@ std::optional<PatchFit> Tracker::follow(double time_s) {
   const geometry::Pose camera_from_room = geometry::inverse(*start);
   const int fine = std::min(align_.coarsest(), options_.align.finest + 1);
   PatchFit best = align_.align(picture_, camera_from_room, fine, options_.align.finest);
-  // Where most patches do not agree, others may: blur, repeating texture, people.
+  // If most patches do not agree, those that do may agree by chance: blur, repeating texture,
+  // people.
   constexpr double kMost = 0.5;
   for (const auto& from : {camera_from_room, geometry::inverse(last_->room_from_camera)}) {
     if (best.inliers > kMost * best.visible && explains(best)) break;

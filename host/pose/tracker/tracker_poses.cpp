@@ -15,7 +15,8 @@ using capture::PoseLoss;
 
 constexpr std::array<const char*, 3> kWays{"constant velocity", "the angles of the head",
                                            "the angles of the head and constant velocity"};
-constexpr double kSpeedUp_m_s2 = 1, kSpeedUp_rad_s2 = 2;  ///< sigma of a hand-held camera's
+/// Sigma of a hand-held camera's accelerations.
+constexpr double kSpeedUp_m_s2 = 1, kSpeedUp_rad_s2 = 2;
 
 class TrackerPoses final : public capture::PoseSource {
  public:
@@ -75,7 +76,8 @@ class TrackerPoses final : public capture::PoseSource {
     motion_.add_picture({time_s, tracked.room_from_camera, tracked.covariance}, tracked.searched);
   }
 
-  /// Of the target camera's pose in the world, `ahead_s` after the last picture.
+  /// Returns the covariance of the target camera's pose in the world, `ahead_s` after the last
+  /// picture.
   capture::PoseCovariance covariance_at(const geometry::Pose& room_from_target,
                                         double ahead_s) const {
     const Eigen::Vector3d arm_m =
@@ -99,8 +101,8 @@ class TrackerPoses final : public capture::PoseSource {
   Crew crew_;
   PictureMotion motion_;
   tracking::Tracker tracker_;
-  std::optional<double> angles_s_;  ///< of the newest plate with angles
-  double picture_s_ = 0;            ///< of the last picture that was tracked, found or not
+  std::optional<double> angles_s_;  ///< time of the newest plate with angles
+  double picture_s_ = 0;            ///< time of the last picture given to the tracker
   capture::PoseCovariance covariance_ = capture::PoseCovariance::Zero();
 };
 

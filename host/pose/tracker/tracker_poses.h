@@ -15,22 +15,23 @@ namespace mixrig::pose {
 struct TrackerPoseOptions {
   geometry::AnyCamera fisheye;
   geometry::Pose fisheye_from_target;
-  geometry::Pose world_from_base;  ///< of the room
+  geometry::Pose world_from_base;  ///< pose of the room
   Predict predict = Predict::kVelocity;
-  double smooth_s = 0;  ///< latency, 0 to 0.5: poses are smoothed by the pictures so long before
-                        ///< and after; `predict` then says whether the head's angles help
-  std::optional<calibration_file::PanTilt> head;  ///< that carries the target camera; for `predict`
+  /// Latency, 0 to 0.5: poses are smoothed over the pictures up to this time before and after;
+  /// `predict` then decides whether the head's angles are used.
+  double smooth_s = 0;
+  std::optional<calibration_file::PanTilt> head;
   tracking::TrackerOptions tracker;
   int threads = 0;  ///< 0: one per core
 };
 
 /// Tracks each fresh picture of the fisheye when its capture is asked for. The plate has another
-/// time: between the newest two pictures the motion is interpolated, after the newest one it goes
-/// on (Predict), so that no frame waits; or with a latency, each pose is smoothed. The covariance
-/// grows by what a camera that changes its speed by 1 m/s^2 and 2 rad/s^2 would add. A capture that
-/// brings a picture takes some milliseconds longer; one whose camera has to be looked for, a second
-/// or less. Allocates only then. Pictures of another size than the calibrated one are left out. A
-/// capture whose fisheye is missing has no pose.
+/// time: between the newest two pictures the motion is interpolated, after the newest one it is
+/// continued (Predict), so that no frame waits; or, with a latency, each pose is smoothed. The
+/// covariance is enlarged for a camera that changes its speed by 1 m/s^2 and 2 rad/s^2. A capture
+/// with a picture takes some milliseconds longer; one whose camera must be searched for takes up to
+/// a second, and only that allocates. Pictures of another size than the calibrated one are left
+/// out. A capture whose fisheye is missing has no pose.
 std::unique_ptr<capture::PoseSource> make_tracker_poses(const model::Panorama& room,
                                                         const TrackerPoseOptions& options);
 

@@ -17,7 +17,7 @@ using Estimate = estimation::Estimate<Alignment>;
 
 constexpr double kDegree = 0.017453292519943295;
 
-/// Root mean square turns of the fixed body about its principal axes, least first.
+/// Root mean square turns of the fixed body about its principal axes, smallest first.
 struct AxisSpread {
   Vector3d turn_rad;
   Matrix3d axes;
@@ -74,12 +74,13 @@ struct Answer {
   estimation::Estimate<LeverAndScale> lever;
 };
 
-/// The turns alone determine offset and rotation. Paths are left out: their drift would bias both.
+/// Aligns by the turns alone, which determine offset and rotation. Positions are left out: their
+/// drift would bias both.
 Answer answer_from_turns(const Pair& pair, const Solution& best, double window_s) {
   return {best, covariance_of(best.rows, window_s), lever_of(pair, best.state)};
 }
 
-/// One axis of rotation: the epipoles must determine the rotation about it.
+/// Aligns bodies with one axis of rotation: the epipoles must determine the rotation about it.
 std::optional<Answer> answer_with_epipoles(const Pair& pair, const Solution& best) {
   const Vector3d axis = axis_spread(best.rows).axes.col(2);
   const auto start = turned_by_epipoles(pair, best.state, axis);
@@ -119,7 +120,7 @@ Estimate estimate_of(const Answer& answer) {
   return estimate;
 }
 
-/// The estimate for (moving, fixed), before the roles are swapped back.
+/// Returns the estimate for (moving, fixed), before the roles are swapped back.
 Estimate align_pair(const Pair& pair, const AlignOptions& options) {
   if (pair.windows.empty())
     return Estimate::degenerate("a trajectory is shorter than one window of " +

@@ -107,13 +107,13 @@ Normal normal_of(const std::vector<JointRow>& rows) {
   return n;
 }
 
-/// target = slope * x over all windows, by iteratively reweighted least squares.
+/// Solves target = slope * x over all windows by iteratively reweighted least squares.
 template <int kSize>
 struct ShiftFit {
   std::vector<Eigen::Matrix<double, 3, kSize>> slopes;
   std::vector<Vector3d> targets;
   Eigen::Matrix<double, kSize, 1> x = Eigen::Matrix<double, kSize, 1>::Zero();
-  Eigen::Matrix<double, kSize, kSize> hessian, inverse;  // of unit weight
+  Eigen::Matrix<double, kSize, kSize> hessian, inverse;  // for unit weight
   std::vector<double> lengths;                           // of the residuals
   double sigma = 0;                                      // of one coordinate
 
@@ -136,7 +136,7 @@ struct ShiftFit {
   }
 };
 
-/// Overlapping windows share samples: this many count as one.
+/// Returns how many overlapping windows count as one, since they share samples.
 double overlap_of(const Pair& pair) {
   const double window_s = pair.windows[0].to_s - pair.windows[0].from_s;
   return std::max(1.0, window_s / pair.fixed.median_step_s());

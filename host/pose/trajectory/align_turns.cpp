@@ -43,8 +43,8 @@ Eigen::Quaterniond best_rotation(const std::vector<Row>& rows) {
   return estimation::fit_rotation(cross).rotation;
 }
 
-/// Iteratively reweighted Gauss-Newton from a coarse offset. Its first steps solve for the
-/// rotation in closed form, so `state` needs no start rotation.
+/// Refines by iteratively reweighted Gauss-Newton from a coarse offset. Its first steps solve for
+/// the rotation in closed form, so `state` needs no start rotation.
 std::vector<Row> refine(const Pair& pair, State& state, int max_steps) {
   std::vector<Row> rows;
   constexpr int kRotationSteps = 4;

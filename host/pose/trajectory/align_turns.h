@@ -11,16 +11,16 @@
 
 namespace mixrig::trajectory {
 
-/// `fixed` keeps its samples, `moving` is interpolated at t_fixed + offset_s.
+/// Two trajectories: `fixed` keeps its samples, `moving` is interpolated at t_fixed + offset_s.
 struct Pair {
   const Trajectory& moving;
   const Trajectory& fixed;
   std::vector<Window> windows;
-  std::vector<Motion> fixed_motions;  ///< over each window
+  std::vector<Motion> fixed_motions;  ///< motion of `fixed` over each window
 };
 Pair make_pair(const Trajectory& moving, const Trajectory& fixed, double window_s);
 
-/// The unknowns: t_moving = t_fixed + offset_s, v_moving = rotation * v_fixed.
+/// The unknowns of the fit: t_moving = t_fixed + offset_s, v_moving = rotation * v_fixed.
 struct State {
   double offset_s = 0;
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
@@ -38,7 +38,7 @@ struct Row {
 struct Solution {
   State state;
   std::vector<Row> rows;
-  double residual_rad = 0;  ///< median
+  double residual_rad = 0;  ///< median residual
 };
 
 Window shifted(const Window& window, double by_s);
@@ -48,18 +48,19 @@ Window shifted(const Window& window, double by_s);
 struct Probed {
   Motion at, before, after;
 };
-/// Empty where the trajectory has a gap.
+/// Computes these motions; empty if the trajectory has a gap.
 std::optional<Probed> probed(const Trajectory& moving, const Window& at, double probe_s);
 
-/// Weight of a residual of this length; `sigma` is that of one coordinate.
+/// Returns the Cauchy weight of a residual of this length; `sigma` is that of one coordinate.
 double cauchy_weight(double length, double sigma);
-/// Sigma of one coordinate from the median length of 3-vectors.
+/// Returns the sigma of one coordinate from the median length of 3-vectors.
 double coordinate_sigma(double median_length);
-/// Rows at `state`, weighted.
+/// Returns the weighted rows at `state`.
 std::vector<Row> weighted_rows(const Pair& pair, const State& state);
 double median_residual(const std::vector<Row>& rows);
 
-/// Iteratively reweighted least squares from each offset; the best, polished, comes first.
+/// Solves iteratively reweighted least squares from each offset; the best solution, refined, comes
+/// first.
 std::vector<Solution> solutions_of(const Pair& pair, std::span<const OffsetCandidate> candidates);
 
 }  // namespace mixrig::trajectory

@@ -6,8 +6,8 @@
 
 namespace mixrig::trajectory {
 
-/// Inverse over the observable directions, 0 over the others. `lever`: index of the first of three
-/// parameters that share a unit, and so are scaled alike.
+/// Returns the inverse over the observable directions, 0 over the others. `lever`: index of the
+/// first of three parameters that share a unit and are scaled alike.
 Eigen::MatrixXd observable_inverse(const Eigen::MatrixXd& hessian, int lever);
 
 }  // namespace mixrig::trajectory

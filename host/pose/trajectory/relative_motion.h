@@ -20,14 +20,16 @@ struct Motion {
   Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
 };
 
-/// Pairs of samples about `window_s` apart: no interpolation in this trajectory.
+/// Returns windows between samples about `window_s` apart, so that this trajectory is not
+/// interpolated.
 std::vector<Window> windows_of(const Trajectory& trajectory, double window_s);
 
-/// Motion over the window; nullopt where an end lies in a gap.
+/// Returns the motion over the window; nullopt if an end lies in a gap.
 std::optional<Motion> motion_over(const Trajectory& trajectory, const Window& window);
 
-/// Offsets t_A - t_B where the rotation angles correlate best, best first, by rank correlation
-/// over the common time (at least `min_overlap_s`); at most `count`.
+/// A candidate for the offset t_A - t_B. offset_candidates() returns at most `count` of them: those
+/// where the rotation angles correlate best, by rank correlation over the common time (at least
+/// `min_overlap_s`), best first.
 struct OffsetCandidate {
   double offset_s = 0;
   double correlation = 0;

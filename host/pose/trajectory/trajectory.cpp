@@ -21,7 +21,7 @@ bool is_sound(const TimedPose& sample) {
          std::isfinite(norm) && norm > 0.5 && norm < 2.0;
 }
 
-/// Lagrange weight at `t` of node `i` of `count`.
+/// Returns the Lagrange weight at `t` of node `i` of `count`.
 double lagrange(const std::array<double, 4>& nodes, std::size_t count, std::size_t i, double t) {
   double weight = 1.0;
   for (std::size_t j = 0; j < count; ++j)
@@ -32,7 +32,7 @@ double lagrange(const std::array<double, 4>& nodes, std::size_t count, std::size
 }  // namespace
 
 Trajectory::Trajectory(std::vector<TimedPose> samples) {
-  // Sorted by index: of repeated times the first one written counts.
+  // Equal times are sorted by index, so that the first one in the file counts.
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < samples.size(); ++i)
     if (is_sound(samples[i])) order.emplace_back(samples[i].t_s, i);

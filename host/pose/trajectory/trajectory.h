@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time-stamped poses: cleaned, and interpolated only where the samples allow it.
+// Time-stamped poses, cleaned, and interpolated only if the samples are close enough.
 #pragma once
 
 #include <filesystem>
@@ -30,8 +30,8 @@ class Trajectory {
   /// Median step between samples; 0 for fewer than two.
   double median_step_s() const { return median_step_s_; }
 
-  /// Pose at a time: cubic interpolation of the four samples around it, linear where fewer are
-  /// near. nullopt outside the recording and in gaps (over 2.5 median steps).
+  /// Returns the pose at a time by cubic interpolation of the four samples around it, linear if
+  /// fewer are near. nullopt outside the recording and in gaps (over 2.5 median steps).
   std::optional<geometry::Pose> at(double t_s) const;
 
  private:
@@ -40,10 +40,11 @@ class Trajectory {
   double median_step_s_ = 0;
 };
 
-/// Reads TUM lines (t x y z qx qy qz qw) or CSV of the same columns; '#' starts a comment, a first
+/// Reads TUM lines (t x y z qx qy qz qw) or CSV with these columns; '#' starts a comment, a first
 /// line of words is a header. Errors: kNotFound; kFormat with file:line for a line that is neither.
 Result<Trajectory> read_trajectory(const std::filesystem::path& path);
-/// The same lines in the order of the file, unchecked: values may be NaN. Errors as above.
+/// Reads such a file and returns its samples in the order of the file, unchecked: values may be
+/// NaN. Errors: those of read_trajectory().
 Result<std::vector<TimedPose>> read_samples(const std::filesystem::path& path);
 
 }  // namespace mixrig::trajectory

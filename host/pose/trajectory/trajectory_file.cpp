@@ -14,7 +14,7 @@
 namespace mixrig::trajectory {
 namespace {
 
-/// The eight numbers of a line, separated by spaces, tabs, commas or semicolons.
+/// Parses the eight numbers of a line, separated by spaces, tabs, commas or semicolons.
 std::optional<TimedPose> parse_line(std::string_view line) {
   std::array<double, 8> v{};
   const char* at = line.data();
@@ -39,7 +39,7 @@ bool is_skipped(std::string_view line) {
   return first == std::string_view::npos || line[first] == '#';
 }
 
-/// A header of column names: it starts with a letter.
+/// Whether a line is a header of column names: it starts with a letter.
 bool is_header(std::string_view line) {
   const auto first = line.find_first_not_of(" \t\"");
   return first != std::string_view::npos &&

@@ -12,7 +12,7 @@
 namespace mixrig::scene {
 namespace {
 
-/// Object axes (z up) to glTF's (y up).
+/// Converts object axes (z up) to glTF's (y up).
 std::vector<Eigen::Vector3f> to_gltf(const std::vector<Eigen::Vector3f>& vectors) {
   std::vector<Eigen::Vector3f> turned;
   turned.reserve(vectors.size());
@@ -31,7 +31,7 @@ class GlbBuilder {
     model_.buffers.resize(1);
   }
 
-  /// What is added from then on is of a mesh of its own.
+  /// Begins a node with a mesh of its own; later additions belong to it.
   void begin_node(const std::string& name) {
     tinygltf::Node node;
     node.name = name;
@@ -64,7 +64,8 @@ class GlbBuilder {
     return {};
   }
 
-  /// tinygltf does not report a full disk, so it writes to memory. Errors: kIo.
+  /// Writes the file. tinygltf does not report a full disk, so it writes to memory first. Errors:
+  /// kIo.
   Result<void> write(const std::filesystem::path& path) const {
     std::ostringstream bytes;
     constexpr bool kPretty = false, kBinary = true;
@@ -104,7 +105,7 @@ class GlbBuilder {
                         TINYGLTF_COMPONENT_TYPE_FLOAT, type, values.size());
   }
 
-  /// With their range, which glTF requires.
+  /// Adds positions with their range, which glTF requires.
   int add_positions(const std::vector<Eigen::Vector3f>& positions_m) {
     const std::vector<Eigen::Vector3f> turned = to_gltf(positions_m);
     const int added = add_vertices(turned, TINYGLTF_TYPE_VEC3);
@@ -116,7 +117,7 @@ class GlbBuilder {
     return added;
   }
 
-  /// A material with texture `picture`, whose PNG is put into the buffer.
+  /// Adds a material with texture `picture`, whose PNG is stored in the buffer.
   Result<int> add_material(const Mesh& mesh, ImageView<const Rgb8> picture) {
     const auto number = static_cast<int>(model_.materials.size());
     if (model_.samplers.empty()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Models and lines as binary glTF 2.0 files, in glTF's axes, y up.
+// Writes models and lines as binary glTF 2.0 files, in glTF's axes, y up.
 #pragma once
 
 #include <filesystem>
@@ -24,8 +24,8 @@ struct Polyline {
   std::vector<Eigen::Vector3f> points_m;  ///< z up
 };
 
-/// A node for each line. The folder must exist. Errors: kIo. Precondition: each line has two points
-/// or more.
+/// Writes a node for each line. The folder must exist. Errors: kIo. Precondition: each line has at
+/// least two points.
 Result<void> write_glb(const std::vector<Polyline>& lines, const std::filesystem::path& path);
 
 }  // namespace mixrig::scene

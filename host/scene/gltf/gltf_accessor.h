@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading of glTF accessors, with all bounds checked. Private to this module.
+// Reads glTF accessors with all bounds checked. Private to this module.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,14 @@
 
 namespace mixrig::scene {
 
-/// Bytes of a buffer view. Errors: kFormat where an index or a range is out of bounds.
+/// Returns the bytes of a buffer view. Errors: kFormat if an index or a range is out of bounds.
 Result<std::span<const std::uint8_t>> view_bytes(const tinygltf::Model& gltf, int view);
 
-/// Float VEC3 of finite values. Errors: kFormat, also for sparse accessors.
+/// Reads a float VEC3 of finite values. Errors: kFormat, also for sparse accessors.
 Result<std::vector<Eigen::Vector3f>> read_vec3(const tinygltf::Model& gltf, int accessor);
-/// VEC2 of floats, or of normalised unsigned bytes or shorts. Errors as read_vec3.
+/// Reads a VEC2 of floats, or of normalised unsigned bytes or shorts. Errors: those of read_vec3().
 Result<std::vector<Eigen::Vector2f>> read_vec2(const tinygltf::Model& gltf, int accessor);
-/// SCALAR of unsigned bytes, shorts or ints. Errors as read_vec3.
+/// Reads a SCALAR of unsigned bytes, shorts or ints. Errors: those of read_vec3().
 Result<std::vector<std::uint32_t>> read_indices(const tinygltf::Model& gltf, int accessor);
 
 }  // namespace mixrig::scene

@@ -19,7 +19,7 @@ bool is_glb(std::span<const std::uint8_t> bytes) {
   return bytes.size() >= kGlbHeaderBytes && std::memcmp(bytes.data(), "glTF", 4) == 0;
 }
 
-/// tinygltf parses JSON by recursion, so its nesting is checked before.
+/// Whether JSON is nested too deep. tinygltf parses it by recursion, so this is checked first.
 bool is_nested_too_deep(std::span<const std::uint8_t> json) {
   int depth = 0;
   bool in_text = false, escaped = false;
@@ -46,7 +46,7 @@ std::span<const std::uint8_t> json_of(std::span<const std::uint8_t> bytes) {
   return rest.first(std::min<std::size_t>(length, rest.size()));
 }
 
-/// The file inside `folder` that a URI names; empty where it is outside or does not exist.
+/// Returns the file inside `folder` that a URI names; empty if it is outside or does not exist.
 fs::path resolve(const std::string& name, const fs::path& folder) {
   std::error_code error;
   const fs::path root = fs::weakly_canonical(folder, error);

@@ -24,7 +24,7 @@ struct GltfFile {
 Result<GltfFile> parse_gltf(std::span<const std::uint8_t> bytes,
                             const std::filesystem::path& folder);
 
-/// Error{kFormat, why}; load_gltf() adds the file's name.
+/// Returns Error{kFormat, why}; load_gltf() adds the file's name.
 Error bad_gltf(const std::string& why);
 
 }  // namespace mixrig::scene

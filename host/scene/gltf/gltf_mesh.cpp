@@ -18,7 +18,7 @@ int attribute(const tinygltf::Primitive& primitive, const std::string& name) {
   return found == primitive.attributes.end() ? -1 : found->second;
 }
 
-/// Corners of separate triangles, of a list, a strip or a fan (glTF 2.0, 3.7.2.1).
+/// Returns the corners of separate triangles of a list, a strip or a fan (glTF 2.0, 3.7.2.1).
 Result<std::vector<std::uint32_t>> triangles(const std::vector<std::uint32_t>& corners, int mode) {
   if (mode == TINYGLTF_MODE_TRIANGLES || mode < 0) {
     if (corners.size() % 3 != 0) return bad_gltf("a primitive has a part of a triangle");
@@ -52,8 +52,8 @@ Result<std::vector<std::uint32_t>> read_triangles(const tinygltf::Model& gltf,
   return triangles(corners, primitive.mode);
 }
 
-/// Gives every triangle its own vertices and the normal of its plane, as glTF requires where
-/// normals are missing.
+/// Gives every triangle its own vertices and the normal of its plane, as glTF requires if normals
+/// are missing.
 void make_flat(Mesh& mesh) {
   Mesh flat;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -74,7 +74,7 @@ void make_flat(Mesh& mesh) {
   mesh = std::move(flat);
 }
 
-/// glTF's (x, y, z), y up, becomes (x, -z, y).
+/// Returns the transform from glTF's axes (y up): (x, y, z) becomes (x, -z, y).
 Eigen::Matrix4d object_from_gltf() {
   Eigen::Matrix4d m;
   m << 1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1;
@@ -85,7 +85,7 @@ void move(Mesh& mesh, const Eigen::Matrix4d& object_from_mesh) {
   const Eigen::Matrix3f linear = object_from_mesh.topLeftCorner<3, 3>().cast<float>();
   const Eigen::Vector3f shift = object_from_mesh.topRightCorner<3, 1>().cast<float>();
   for (Eigen::Vector3f& p : mesh.positions_m) p = linear * p + shift;
-  // A mirror turns triangles inside out.
+  // A mirroring transform turns triangles inside out.
   const double determinant = object_from_mesh.topLeftCorner<3, 3>().determinant();
   if (determinant < 0)
     for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
@@ -98,7 +98,7 @@ void move(Mesh& mesh, const Eigen::Matrix4d& object_from_mesh) {
   for (Eigen::Vector3f& n : mesh.normals) n = cofactors * n;
 }
 
-/// False where a normal has no direction.
+/// Normalises; false if a normal has no direction.
 bool normalize(std::vector<Eigen::Vector3f>& normals) {
   for (Eigen::Vector3f& n : normals) {
     const float length = n.norm();

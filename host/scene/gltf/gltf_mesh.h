@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One glTF primitive as a Mesh. Private to this module.
+// Reads a glTF primitive as a Mesh. Private to this module.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,8 +9,8 @@
 
 namespace mixrig::scene {
 
-/// Triangles of a primitive, moved by `world` (glTF axes, 4x4 affine) and turned into object axes.
-/// The caller sets material and texture; `uv_set` is the n of TEXCOORD_n, -1 for none.
+/// Reads the triangles of a primitive, transformed by `world` (glTF axes, 4x4 affine) and into
+/// object axes. The caller sets material and texture; `uv_set` is the n of TEXCOORD_n, -1 for none.
 /// Errors: kFormat for points and lines, indices out of range, and invalid accessors.
 Result<Mesh> read_mesh(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive,
                        const Eigen::Matrix4d& world, int uv_set);

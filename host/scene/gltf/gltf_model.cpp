@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A glTF file's scene as a Model: nodes, materials, textures.
+// Builds a Model from a glTF file's scene: nodes, materials, textures.
 #include "host/scene/gltf/gltf_model.h"
 
 #include <algorithm>
@@ -21,8 +21,8 @@ namespace {
 constexpr std::size_t kMaxModelBytes = std::size_t{1} << 30;
 constexpr std::size_t kMaxVertices = 20'000'000;  ///< of all meshes, each instance counted
 constexpr int kMaxNodeDepth = 64;
-constexpr double kMostStrength = 1e6;  ///< of a light of its own
-constexpr double kMostBend = 100;      ///< factor of a normal map
+constexpr double kMostStrength = 1e6;  ///< largest emissive strength
+constexpr double kMostBend = 100;      ///< largest factor of a normal map
 
 /// Makes a model of a parsed file. Each node is used at most once, as glTF requires of its trees.
 class ModelBuilder {
@@ -99,7 +99,7 @@ class ModelBuilder {
     return {};
   }
 
-  /// TEXCOORD_n of a material's maps; -1 without any.
+  /// Returns n of the TEXCOORD_n of a material's maps; -1 without any.
   static Result<int> uv_set_of(const tinygltf::Material& material) {
     int set = -1;
     const auto add = [&](const auto& map) {
@@ -134,7 +134,7 @@ class ModelBuilder {
     if (factor.size() < 3) return fallback;
     return {share_of(factor[0]), share_of(factor[1]), share_of(factor[2])};
   }
-  /// A number of an extension of a material; 1 where it is not there.
+  /// Returns a number of an extension of a material; 1 if it is absent.
   static double factor_of(const tinygltf::Material& material, const char* extension,
                           const char* key) {
     const auto found = material.extensions.find(extension);
@@ -156,7 +156,8 @@ class ModelBuilder {
     return set(material.emissiveTexture.index, mesh.emission_map);
   }
 
-  /// The default material, which has no texture, for -1 and for an index out of range.
+  /// Returns a material. For -1 and an index out of range it is the default one, which has no
+  /// texture.
   tinygltf::Material material_of(int index) const {
     const auto& materials = file_.gltf.materials;
     return index >= 0 && static_cast<std::size_t>(index) < materials.size()
@@ -164,7 +165,7 @@ class ModelBuilder {
                : tinygltf::Material();
   }
 
-  /// Index in Model::textures of a glTF texture; each picture is decoded once.
+  /// Returns the index in Model::textures of a glTF texture; each picture is decoded once.
   Result<int> texture(int index) {
     const auto& textures = file_.gltf.textures;
     const int source = static_cast<std::size_t>(index) < textures.size()

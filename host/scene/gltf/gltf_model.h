@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// glTF bytes to a Model. Private to this module.
+// Parses glTF bytes as a Model. Private to this module.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,8 @@
 
 namespace mixrig::scene {
 
-/// As load_gltf, from bytes; the files that they name are read only from inside `folder`.
+/// Parses the bytes of a .gltf or .glb file; files that they name are read only from inside
+/// `folder`.
 /// Errors: kFormat, without the model's name.
 Result<Model> parse_model(std::span<const std::uint8_t> bytes, const std::filesystem::path& folder);
 

@@ -37,7 +37,7 @@ struct OpenedRig {
   bool target_open = false;
 };
 
-/// What a depth step is, where the number comes from, and what else rig.toml changes.
+/// Reports what a depth step is, where the number comes from, and what else rig.toml changes.
 Check check_steps(const RigConfig& rig, const std::string& name, const DepthConfig& given,
                   const device::DepthCamera& camera) {
   const device::DepthInfo steps = given.applied_to(camera.depth());
@@ -51,7 +51,7 @@ Check check_steps(const RigConfig& rig, const std::string& name, const DepthConf
   return {name, "unit", Verdict::kPass, std::move(value), ""};
 }
 
-/// What keeps a camera's clock, where it can be PTP.
+/// Reports what synchronizes a camera's clock, if it can be PTP.
 void add_ptp(const std::string& name, const device::CameraInfo& info, std::vector<Check>& checks) {
   if (info.ptp.empty()) return;
   const bool settled = info.ptp == "off" || info.ptp == "Slave" || info.ptp == "Master";
@@ -59,7 +59,7 @@ void add_ptp(const std::string& name, const device::CameraInfo& info, std::vecto
                     settled ? "" : "wait until the camera follows a PTP master, or turn PTP off"});
 }
 
-/// Null where it cannot be opened.
+/// Opens a depth camera and adds a check; null if it cannot be opened.
 std::unique_ptr<device::DepthCamera> open_depth(const RigConfig& rig, const CameraConfig& config,
                                                 const DepthConfig& steps, DeviceOpener& opener,
                                                 std::vector<Check>& checks) {
@@ -100,7 +100,7 @@ OpenedRig open_each(const RigConfig& rig, DeviceOpener opener, std::vector<Check
   if (out.devices.depth) out.config.depth = rig.depth;
   if (rig.depth2) {
     auto second = open_depth(rig, *rig.depth2, rig.depth2_steps, opener, checks);
-    // Alone, it is judged in the place of the first.
+    // A second depth camera alone is judged in place of the first.
     const bool alone = !out.devices.depth;
     if (second) (alone ? out.config.depth : out.config.depth2) = rig.depth2;
     (alone ? out.devices.depth : out.devices.depth2) = std::move(second);
@@ -119,7 +119,7 @@ Result<std::vector<device::PanTiltAngles>> visit(device::PanTilt& head, Clock& c
   std::vector<device::PanTiltAngles> positions;
   MIXRIG_ASSIGN(const device::PanTiltSample home, head.sample());
   for (int i = 0; i < kVisits; ++i) {
-    // Away towards the middle of the range, so that no limit is near.
+    // It moves towards the middle of the range, so that no limit is near.
     const double pan_away = home.angles.pan_rad > 0 ? -kMove_rad : kMove_rad;
     const double tilt_away = home.angles.tilt_rad > 0 ? -kMove_rad : kMove_rad;
     const device::PanTiltAngles away{home.angles.pan_rad + pan_away,
@@ -205,7 +205,7 @@ double edge_rate_hz(const RigConfig& config) {
   return line != nullptr ? 100.0 / line->channel.divider : 0;
 }
 
-/// Of the target camera, which is the session's first.
+/// Adds the checks on a grey card for the target camera, which is the session's first.
 void add_card(OpenedRig& rig, const DiagnoseOptions& options, LiveSession& session, Clock& clock,
               std::vector<Check>& checks) {
   const NextFrame next = [&]() -> Result<device::FramePtr> {

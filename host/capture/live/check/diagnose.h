@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Health of a rig: every device opened, watched for a while and judged.
+// Diagnoses a rig: opens every device, watches it for a while and judges it.
 #pragma once
 
 #include <cstdint>
@@ -19,28 +19,29 @@ namespace mixrig::live {
 enum class Verdict { kPass, kWarn, kFail };
 std::string_view name(Verdict verdict);
 
-/// One line of the table.
+/// One check: a line of the table.
 struct Check {
   std::string device;  ///< name in rig.toml, or "host"
   std::string what;    ///< "open", "rate", "pairing", ...
   Verdict verdict = Verdict::kPass;
-  std::string value;   ///< what was measured, with its unit
+  std::string value;   ///< measured value with its unit
   std::string advice;  ///< what to do; empty on pass
 };
 
 struct DiagnoseOptions {
   Duration watch = std::chrono::seconds(5);
-  bool move_head = true;  ///< a few degrees, for repeatability
+  bool move_head = true;  ///< move it a few degrees to measure repeatability
   std::filesystem::path disk = ".";
-  bool grey_card = false;  ///< the target camera sees one: its colour is judged (check_card)
-  std::optional<capture::CardArea> card_area;  ///< its pixels; absent: the middle fifth
+  bool grey_card = false;  ///< the target camera sees a grey card: judge its colour (check_card)
+  std::optional<capture::CardArea> card_area;  ///< pixels of the card; absent: the middle fifth
 };
 
-/// Never fails: a device that cannot be opened is a failed check, and the others are still checked.
+/// Diagnoses all devices. Never fails: a device that cannot be opened is a failed check, and the
+/// others are still checked.
 std::vector<Check> diagnose(const RigConfig& rig, DeviceOpener opener,
                             const DiagnoseOptions& options, Clock& clock);
 
-/// Only judges: checks of one stream from its counts of `watched_s` seconds.
+/// Makes the checks of one stream from its counts over `watched_s` seconds.
 std::vector<Check> judge_stream(const StreamReport& report, double nominal_rate_hz,
                                 double watched_s, bool triggered);
 /// Judges the trigger edges that this host received. `master`: a master reports ticks, and the
@@ -50,7 +51,7 @@ Check judge_edges(const sync::EdgeCounts& edges, double nominal_rate_hz, double 
 /// Judges the spread of repeated positions at one target, in steps of the head.
 Check judge_repeatability(const std::vector<device::PanTiltAngles>& positions,
                           device::PanTiltAngles step);
-/// Worst of all; kPass when there are none.
+/// Returns the worst verdict; kPass without checks.
 Verdict worst(const std::vector<Check>& checks);
 
 }  // namespace mixrig::live

@@ -23,10 +23,10 @@ using device::CameraControl;
 using device::PixelFormat;
 
 constexpr int kCardFrames = 8;
-constexpr int kLateFrames = 4;  ///< that may have been exposed before a control took effect
+constexpr int kLateFrames = 4;  ///< frames that may have been exposed before a control took effect
 constexpr Duration kCardSettles = std::chrono::milliseconds(500);
 constexpr Duration kCardTimeout = std::chrono::seconds(10);  ///< from one used frame to the next
-constexpr double kMostGain = 16;                             ///< of white_gains in rig.toml
+constexpr double kMostGain = 16;                             ///< largest white_gains in rig.toml
 
 bool is_grey_camera(PixelFormat format) {
   return format == PixelFormat::kGray8 || format == PixelFormat::kGray16;
@@ -49,7 +49,7 @@ Result<CardArea> area_in(Size picture, const std::optional<CardArea>& wanted) {
                            a.size.width, a.size.height, picture.width, picture.height)};
 }
 
-/// Samples of the card as the camera is set now.
+/// Reads samples of the card with the camera's present settings.
 class CardReader {
  public:
   CardReader(device::Camera& camera, const capture::ColorSettings& settings,
@@ -61,7 +61,7 @@ class CardReader {
         clock_(clock),
         decoder_(capture::raw_settings(settings)) {}
 
-  /// Errors: kTimeout; those of the camera, of decoding and of the area.
+  /// Collects samples. Errors: kTimeout; those of the camera, of decoding and of the area.
   Result<CardSamples> collect() {
     CardSamples samples{0, cut_, {}};
     const HostTime begin = clock_.now();
@@ -137,7 +137,7 @@ std::string words_of(const capture::ColorSettings& settings) {
   return words;
 }
 
-/// The lines of rig.toml that differ from what is declared.
+/// Returns the lines of rig.toml that differ from the declared settings.
 std::string lines_of(const capture::ColorSettings& fit, const capture::ColorSettings& declared,
                      int sample_bits) {
   std::string lines = fmt::format("transfer = \"{}\"", transfer_word(fit.encoding.transfer));
@@ -185,7 +185,7 @@ Check not_judged(const CameraConfig& config, std::string advice) {
   return {config.name, "transfer", Verdict::kWarn, "not judged", std::move(advice)};
 }
 
-/// Exposes four times. `settings` becomes what was found.
+/// Exposes four times and judges the transfer. `settings` becomes the fitted one.
 Check check_transfer(const CameraConfig& config, device::Camera& camera, CardReader& reader,
                      CardSamples first, const device::ControlRange& range,
                      capture::ColorSettings& settings) {

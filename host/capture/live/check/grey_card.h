@@ -14,13 +14,14 @@
 
 namespace mixrig::live {
 
-/// The camera's next frame; null where none came in a short time. Errors: the camera has ended.
+/// Returns the camera's next frame; null if none came in a short time. Errors: the camera has
+/// ended.
 using NextFrame = std::function<Result<device::FramePtr>()>;
 
 /// Checks "card" (light enough, not too much), "transfer" (where the exposure can be set) and
-/// "grey". Without `area` the middle fifth of the picture. Never fails: what cannot be judged is a
-/// failed check or a warning. Controls that rig.toml does not fix are held at their present values
-/// from then on; the exposure is halved twice and put back.
+/// "grey". Without `area` it uses the middle fifth of the picture. Never fails: a check that cannot
+/// be judged is failed or a warning. Controls that rig.toml does not fix are held at their present
+/// values from then on; the exposure is halved twice and put back.
 std::vector<Check> check_card(const CameraConfig& config, device::Camera& camera,
                               const std::optional<capture::CardArea>& area, const NextFrame& next,
                               Clock& clock);

@@ -10,19 +10,20 @@
 
 namespace mixrig::live {
 
-/// The angles of the frames that were read last, each at the time when its frame is due.
-/// Thread-safe. Nothing allocates.
+/// Angles of the frames that were read last, each at the time when its frame is due. Thread-safe.
+/// Nothing allocates.
 class PlayedAngles {
  public:
   explicit PlayedAngles(device::PanTiltAngles first) : first_(first) {}
-  /// It plays from the first frame again.
+  /// Starts again from the first frame.
   void restart();
-  /// The angles of the next frame; times increase.
+  /// Adds the angles of the next frame; times increase.
   void add(HostTime at, device::PanTiltAngles angles);
-  /// No more frames: the head stands still at the last angles.
+  /// Ends the recording: the head stands still at the last angles.
   void end();
-  /// Linear between two frames, with the time `now`. Before the first frame its angles. After the
-  /// newest frame that was read: its angles with its time, as if the head had not answered since.
+  /// Interpolates linearly between two frames, stamped `now`. Before the first frame it returns
+  /// that frame's angles. After the newest frame it returns that frame's angles and time, as if the
+  /// head had not answered since.
   device::PanTiltSample at(HostTime now) const;
 
  private:
@@ -31,14 +32,14 @@ class PlayedAngles {
     device::PanTiltAngles angles;
   };
   const device::PanTiltAngles first_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   Point before_, newest_;
   int count_ = 0;
   bool ended_ = false;
 };
 
-/// A head that moves as in the recording and by nothing else: move_to, set_motion and halt give
-/// kUnsupported. Asked in a loop it answers a hundred times a second.
+/// Makes a head that only moves as in the recording: move_to, set_motion and halt give
+/// kUnsupported. It answers at most a hundred times a second.
 std::unique_ptr<device::PanTilt> make_played_head(std::shared_ptr<const PlayedAngles> angles,
                                                   device::PanTiltInfo info, Clock& clock);
 

@@ -19,8 +19,8 @@ void put_u16(std::uint8_t* out, long value) {
   out[1] = static_cast<std::uint8_t>(value >> 8);
 }
 
-/// Rows of 16-bit samples, packed: (value - offset) * scale. Values out of range, and 0, become 0,
-/// which is "unknown".
+/// Writes rows of 16-bit samples, packed: (value - offset) * scale. Values out of range, and 0,
+/// become 0, which is "unknown".
 void fill_u16(const Image<float>& in, double offset, double scale, std::span<std::uint8_t> out) {
   std::uint8_t* at = out.data();
   for (int y = 0; y < in.height(); ++y)
@@ -232,7 +232,7 @@ Result<void> Player::read(int number) {
   return Error{ErrorCode::kData, "the recording ends before frame " + std::to_string(number)};
 }
 
-/// As read(); the frame must also fit the devices' buffers.
+/// Reads a frame, which must also fit the devices' buffers.
 Result<void> Player::read_next(int number) {
   MIXRIG_TRY(read(number));
   if (capture_.plate.size() == color_.info.size && capture_.depth_m.size() == depth_.info.size &&

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plays recorded or rendered frames as if cameras delivered them now.
+// Plays recorded or rendered frames as if cameras delivered them live.
 #pragma once
 
 #include <array>
@@ -20,14 +20,14 @@
 
 namespace mixrig::live {
 
-/// A colour camera, a depth camera, a fisheye and the head of one recording. Colour and depth come
+/// Plays the colour camera, depth camera, fisheye and head of one recording. Colour and depth come
 /// at the time of their frame, with one counter (the frame's number) and one stamp (when it was
 /// due); the fisheye's pictures at their own times, with the counters of the recording. It plays
 /// from the first frame on as soon as all cameras that were taken from it have started, but not
 /// before the time that play_at() sets; at the end they are kStopped. Thread-safe.
-/// A source with a head of its own (capture::RenderedHead) has a head that can be moved. Each frame
-/// is rendered when it is due, as the head stands and turns then; frames that are due while another
-/// is rendered are lost, as the counter says. Where the source's exposure can be set
+/// If the source has a head of its own (capture::RenderedHead), the head can be moved. Each frame
+/// is rendered when it is due, for the head's angles at that time; frames that are due while
+/// another is rendered are lost, and the counter shows it. If the source's exposure can be set
 /// (capture::RenderedExposure), the colour camera has that control.
 class Player : public std::enable_shared_from_this<Player> {
  public:
@@ -36,19 +36,20 @@ class Player : public std::enable_shared_from_this<Player> {
                                                 const std::string& uri, Clock& clock);
   ~Player();
 
-  /// At most one of each. They keep the player alive.
+  /// Return a camera of the recording, each at most once. The cameras keep the player alive.
   std::unique_ptr<device::Camera> camera();
   std::unique_ptr<device::DepthCamera> depth();
-  /// Its pictures come with their frames, stamped with their own mid-exposure. Errors: kData for a
-  /// recording without a second depth camera.
+  /// Returns the second depth camera. Its pictures come with their frames, stamped with their own
+  /// mid-exposure. Errors: kData for a recording without a second depth camera.
   Result<std::unique_ptr<device::DepthCamera>> depth2();
-  /// Errors: kData for a recording without such pictures in its first two seconds.
+  /// Returns the fisheye. Errors: kData for a recording without fisheye pictures in its first two
+  /// seconds.
   Result<std::unique_ptr<device::Camera>> fisheye();
-  /// The head, once where it can be moved. Errors: kData for a recording whose first frame has no
-  /// angles.
+  /// Returns the head; only once if it can be moved. Errors: kData for a recording whose first
+  /// frame has no angles.
   Result<std::unique_ptr<device::PanTilt>> pan_tilt();
-  /// Time of the first frame, so that other programs can play beside it. A camera that would be the
-  /// last one to start after that time fails with kUsage. Before the first start.
+  /// Sets the time of the first frame, so that other programs can play in parallel. If the last
+  /// camera starts after that time it fails with kUsage. Call it before the first start.
   void play_at(HostTime begin) { play_at_ = begin; }
   const capture::SourceInfo& info() const { return source_->info(); }
   /// Pose of the target camera at a frame, by the frame's counter.
@@ -57,7 +58,7 @@ class Player : public std::enable_shared_from_this<Player> {
     geometry::Pose world_from_target;
     capture::PoseOrigin origin = capture::PoseOrigin::kUnknown;
   };
-  /// Of one of the last 64 frames, else of the first. Any thread.
+  /// Returns the pose of one of the last 64 frames, else that of the first frame. Any thread.
   PlayedPose pose_of(std::uint64_t sequence) const;
 
  private:
@@ -94,19 +95,19 @@ class Player : public std::enable_shared_from_this<Player> {
   Clock& clock_;
   device::DepthInfo depth_info_, depth2_info_;
   capture::Capture capture_;            ///< used only by the thread while it runs
-  std::atomic<double> exposure_s_ = 0;  ///< as the control was set last
+  std::atomic<double> exposure_s_ = 0;  ///< last value of the control
   double first_s_ = 0;                  ///< time of the first frame in the recording
-  HostTime begin_{};                    ///< of the first frame
+  HostTime begin_{};                    ///< when the first frame is due
   std::optional<HostTime> play_at_;
   std::string uri_;
-  std::shared_ptr<PlayedAngles> angles_;   ///< null where the recording has none
-  std::shared_ptr<SteeredMotion> motion_;  ///< null where the head cannot be moved
+  std::shared_ptr<PlayedAngles> angles_;   ///< null if the recording has no angles
+  std::shared_ptr<SteeredMotion> motion_;  ///< null if the head cannot be moved
   std::thread thread_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   Channel color_, depth_, depth2_, fisheye_;
   bool stop_ = true;
   PlayedPose first_pose_;
-  std::array<PlayedPose, 64> poses_;  ///< at sequence mod 64
+  std::array<PlayedPose, 64> poses_;  ///< by sequence mod 64
 };
 
 }  // namespace mixrig::live

@@ -11,7 +11,7 @@ namespace mixrig::live {
 namespace {
 
 constexpr int kFisheyeBuffers = 8;
-constexpr double kFisheyeWithin_s = 2;  ///< its first picture, from the first frame
+constexpr double kFisheyeWithin_s = 2;  ///< time from the first frame to the first fisheye picture
 
 }  // namespace
 
@@ -55,7 +55,7 @@ class PlayedCamera final : public device::Camera {
   Player::Channel& channel_;
 };
 
-/// Size and rate of the fisheye; the first frame is read again after it.
+/// Finds size and rate of the fisheye; then reads the first frame again.
 Result<void> Player::find_fisheye() {
   const capture::SourceInfo& info = source_->info();
   const auto last = std::min(info.frames, 1 + static_cast<int>(kFisheyeWithin_s * info.rate_hz));

@@ -10,7 +10,7 @@ namespace mixrig::live {
 namespace {
 
 constexpr Duration kAnswerEvery = std::chrono::milliseconds(10);
-// After a stop: amplitude, rate and decay of the swing.
+// Amplitude, rate and decay of the swing after a stop.
 constexpr double kSwing_rad = 0.004, kSwing_hz = 7, kSwingDecay_s = 0.08;
 
 double whole_steps(double angle_rad, double step_rad) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pan-tilt head of a source that is rendered as the head stands.
+// The pan-tilt head of a source that renders its frames for the head's angles.
 #pragma once
 
 #include <memory>
@@ -12,18 +12,18 @@
 namespace mixrig::live {
 
 /// The motion of a head that is moved by commands: both axes at one constant speed, to whole steps.
-/// Where it comes to rest the pan axis swings for some tenths of a second, which its encoder does
-/// not see. The last two commands are kept, so that the time of a picture may lie before the newest
-/// one. Thread-safe. Nothing allocates.
+/// After it stops the pan axis swings for some tenths of a second, which its encoder does not see.
+/// The last two commands are kept, so that the time of a picture may lie before the newest one.
+/// Thread-safe. Nothing allocates.
 class SteeredMotion {
  public:
   explicit SteeredMotion(device::PanTiltInfo info) : info_(std::move(info)) {}
 
   const device::PanTiltInfo& info() const { return info_; }
-  /// Errors: kUsage beyond the limits; then nothing moves.
+  /// Starts a move. Errors: kUsage beyond the limits; then nothing moves.
   Result<void> move_to(device::PanTiltAngles target, HostTime now);
   void halt(HostTime now);
-  /// Of the commands from now on. Precondition: above 0.
+  /// Sets the speed of later commands. Precondition: above 0.
   void set_speed(double rad_s);
   capture::HeadMotion at(HostTime time) const;
 
@@ -37,12 +37,12 @@ class SteeredMotion {
   capture::HeadMotion now_at(HostTime time) const;
 
   const device::PanTiltInfo info_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   double speed_rad_s_ = 1.75;
   Move before_, newest_;
 };
 
-/// Asked in a loop it answers a hundred times a second, with angles in whole steps.
+/// Makes the head. It answers at most a hundred times a second, with angles in whole steps.
 std::unique_ptr<device::PanTilt> make_steered_head(std::shared_ptr<SteeredMotion> motion,
                                                    Clock& clock);
 

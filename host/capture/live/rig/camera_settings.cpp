@@ -54,7 +54,7 @@ std::vector<CameraSetup> CameraSettings::cameras() const {
   return setups_;
 }
 
-/// Precondition: mutex_ is held.
+/// Returns the index of the camera after checking the value. Precondition: mutex_ is held.
 Result<std::size_t> CameraSettings::check(const std::string& camera, device::CameraControl control,
                                           double value) const {
   const auto setup = std::find_if(setups_.begin(), setups_.end(),
@@ -87,7 +87,7 @@ Result<void> CameraSettings::set(const std::string& camera, device::CameraContro
   return *std::exchange(answer_, std::nullopt);
 }
 
-/// Of the thread.
+/// Reads all settings; called by the thread.
 void CameraSettings::read() {
   std::vector<CameraSetup> now = cameras();
   for (std::size_t i = 0; i < now.size(); ++i)
@@ -113,7 +113,7 @@ void CameraSettings::run() {
     if (!wish) continue;
     lock.unlock();
     Result<void> done = cameras_[wish->camera].camera->set(wish->control, wish->value);
-    if (done) read();  // told before the answer
+    if (done) read();  // the new values are visible before the answer
     lock.lock();
     answer_ = std::move(done);
     answered_.notify_all();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the cameras of a running rig are set to, and its changes while they deliver.
+// Reads and changes the controls of the cameras of a running rig while they deliver.
 #pragma once
 
 #include <condition_variable>
@@ -16,16 +16,16 @@ namespace mixrig::live {
 
 struct CameraSetting {
   device::ControlRange range;
-  std::optional<double> value;  ///< as last read; absent where the device does not tell it
+  std::optional<double> value;  ///< as last read; absent if the device does not report it
 };
 struct CameraSetup {
-  std::string name;  ///< as in rig.toml
+  std::string name;  ///< name in rig.toml
   std::vector<CameraSetting> settings;
 };
 
-/// A thread of its own sets and reads the cameras between follow() and end(): it is the one thread
-/// of device::Camera::set() and get() then, and frames never wait for it. The other methods are for
-/// any thread.
+/// Owns a thread that sets and reads the cameras between follow() and end(). It is then the only
+/// thread that calls device::Camera::set() and get(), and frames never wait for it. Any thread may
+/// call the other methods.
 class CameraSettings {
  public:
   CameraSettings() = default;
@@ -37,16 +37,17 @@ class CameraSettings {
     std::string name;
     device::Camera* camera = nullptr;
   };
-  /// The cameras stay until end().
+  /// Begins to read and set these cameras, which must live until end().
   void follow(std::vector<Named> cameras);
-  /// Returns when the thread has left the cameras.
+  /// Ends the thread; returns when it no longer uses the cameras.
   void end();
 
-  /// Empty before follow() and after end(). Values are read every two seconds, since a camera may
-  /// adjust itself.
+  /// Returns the cameras with their settings; empty before follow() and after end(). Values are
+  /// read every two seconds, since a camera may adjust itself.
   std::vector<CameraSetup> cameras() const;
-  /// Returns when the camera has answered. Errors: kNotFound where no such camera runs, kUsage out
-  /// of its range, kUnsupported, kDevice; kData while another setting waits for its camera.
+  /// Sets a control and returns when the camera has answered. Errors: kNotFound if no such camera
+  /// runs, kUsage out of its range, kUnsupported, kDevice; kData while another setting waits for
+  /// its camera.
   Result<void> set(const std::string& camera, device::CameraControl control, double value);
 
  private:
@@ -60,9 +61,9 @@ class CameraSettings {
   Result<std::size_t> check(const std::string& camera, device::CameraControl control,
                             double value) const;
 
-  std::vector<Named> cameras_;  ///< of the thread, while it runs
+  std::vector<Named> cameras_;  ///< used by the thread while it runs
   std::thread thread_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::condition_variable wake_, answered_;
   bool ends_ = true;
   std::vector<CameraSetup> setups_;

@@ -23,7 +23,7 @@ DepthPhases depth_phases(const RigConfig& rig) {
             .line = names(rig) +
                     ": one of them runs free, so that their light may meet: give each its own "
                     "trigger_line, with phases that differ by their exposure"};
-  // Pulses of both come at all multiples of the common divisor of their periods apart.
+  // The distances between pulses of both are all multiples of the common divisor of their periods.
   const long divisor = std::gcd(first->channel.divider, second->channel.divider);
   const Duration period = divisor * kMasterTick;
   const Duration apart =

@@ -10,14 +10,14 @@
 namespace mixrig::live {
 
 struct DepthPhases {
-  bool overlap = false;  ///< they expose at the same time for sure
-  bool known = true;     ///< false: rig.toml does not tell whether they do
-  std::string line;      ///< one line about it: what, and what to do where it is not well
-  Duration apart{};      ///< from the first one's pulse to the next one of the second, if triggered
+  bool overlap = false;  ///< they certainly expose at the same time
+  bool known = true;     ///< false: rig.toml does not determine whether they do
+  std::string line;      ///< the finding in one line, with advice if they overlap
+  Duration apart{};      ///< from a pulse of the first to the next of the second, if triggered
 };
 
-/// By the phases of their trigger lines and their exposure_ms. Pure. Precondition: the rig has two
-/// depth cameras.
+/// Judges by the phases of their trigger lines and their exposure_ms. Pure. Precondition: the rig
+/// has two depth cameras.
 DepthPhases depth_phases(const RigConfig& rig);
 
 }  // namespace mixrig::live

@@ -134,7 +134,7 @@ Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
     device::StreamRequest depth = request;
     if (depth.format == device::PixelFormat::kUnknown) depth.format = device::PixelFormat::kDepth16;
     MIXRIG_ASSIGN(auto camera, device::V4l2Camera::open(parts.rest, depth, clock_));
-    // Y16 is a picture of steps whose meaning nothing tells.
+    // Y16 holds steps whose meaning the device does not report.
     const device::CameraInfo& info = camera->info();
     const auto unit_m = info.format == device::PixelFormat::kDepth16
                             ? device::z16_metres_per_step(info.usb_vendor, info.usb_product)
@@ -194,7 +194,8 @@ Result<std::unique_ptr<device::PanTilt>> DeviceOpener::pan_tilt(const std::strin
     baud = *found;
   }
   MIXRIG_TRY(stream->set_line({.baud = baud}));
-  // On a network a byte takes no time, but for a serial line behind a server, whose rate is given.
+  // On a network a byte takes no time, except on a serial line behind a server, whose rate is
+  // given.
   const bool network = parts.rest.starts_with("tcp:") && at == std::string::npos;
   const Duration byte_time =
       network ? Duration(0) : std::chrono::duration_cast<Duration>(std::chrono::seconds(10)) / baud;

@@ -26,39 +26,39 @@ struct Recording {
   std::string uri;  ///< "take:DIR" or the like, without the stream's name
   Result<std::unique_ptr<capture::CaptureSource>> source;
 };
-/// URIs of the recordings that cameras of a rig play, each once: those whose scheme is "take" or
-/// one of `schemes`.
+/// Returns the URIs of the recordings that cameras of a rig play, each once: those whose scheme is
+/// "take" or one of `schemes`.
 std::vector<std::string> recordings_of(const RigConfig& rig,
                                        std::span<const std::string_view> schemes = {});
 
-/// Opens devices by URI. Errors of all methods: kUsage for a scheme that is not known, kUnsupported
-/// for one of an extra that is left out, those of the driver. One thread.
+/// Opens devices by URI. Errors of all methods: kUsage for an unknown scheme, kUnsupported for that
+/// of an extra that is left out, those of the driver. For one thread.
 class DeviceOpener {
  public:
-  /// `recordings`: those that devices play (recordings_of). `kinds`: devices of extras.
+  /// `recordings`: recordings that devices play (recordings_of). `kinds`: devices of extras.
   explicit DeviceOpener(Clock& clock, std::vector<Recording> recordings = {},
                         std::span<const DeviceKind> kinds = {});
 
-  /// v4l2:PATH, aravis:ID, those of the kinds; of a recording RECORDING/color (also rgb, target)
-  /// and RECORDING/fisheye, as take:DIR/color.
+  /// Opens a colour camera: v4l2:PATH, aravis:ID, a URI of `kinds`, or from a recording
+  /// RECORDING/color (also rgb, target) and RECORDING/fisheye, such as take:DIR/color.
   Result<std::unique_ptr<device::Camera>> camera(const std::string& uri,
                                                  const device::StreamRequest& request);
-  /// v4l2:PATH (Z16, Y16), aravis:ID (Coord3D), usb:VVVV:PPPP, those of the kinds; of a recording
-  /// RECORDING/depth (also tof) and RECORDING/depth2 (also tof2).
+  /// Opens a depth camera: v4l2:PATH (Z16, Y16), aravis:ID (Coord3D), usb:VVVV:PPPP, a URI of
+  /// `kinds`, or from a recording RECORDING/depth (also tof) and RECORDING/depth2 (also tof2).
   Result<std::unique_ptr<device::DepthCamera>> depth(const std::string& uri,
                                                      const device::StreamRequest& request);
-  /// flir-ptu:PORT[@BAUD], flir-ptu:tcp:HOST:PORT[@BAUD], RECORDING/head.
+  /// Opens a head: flir-ptu:PORT[@BAUD], flir-ptu:tcp:HOST:PORT[@BAUD], RECORDING/head.
   Result<std::unique_ptr<device::PanTilt>> pan_tilt(const std::string& uri);
-  /// mcu:PORT, gpiod:CHIP/LINES.
+  /// Opens a trigger: mcu:PORT, gpiod:CHIP/LINES.
   Result<std::unique_ptr<device::TriggerMaster>> trigger(const std::string& uri);
-  /// gpiod:CHIP/LINE.
+  /// Opens a trigger input: gpiod:CHIP/LINE.
   Result<std::unique_ptr<device::TriggerInput>> edges(const std::string& uri);
-  /// The protocol of encoders of a lens, by their URI, which is valid.
+  /// Returns the protocol of lens encoders for a valid URI.
   Result<LensProtocol> lens(const std::string& uri) const;
-  /// Cameras of the kinds that are connected, kind by kind.
+  /// Returns the connected cameras of the kinds, kind by kind.
   std::vector<FoundCamera> find();
-  /// When recordings that are opened from now on begin to play; as soon as possible if never
-  /// called.
+  /// Sets when recordings that are opened from now on begin to play; without it they play as soon
+  /// as possible.
   void play_at(HostTime begin) { play_at_ = begin; }
   /// Whether there are recordings at all.
   bool plays() const { return !recordings_.empty(); }
@@ -69,12 +69,12 @@ class DeviceOpener {
   Result<std::shared_ptr<Player>> open_player(const std::string& recording);
   struct Kind {
     DeviceKind kind;
-    std::unique_ptr<DeviceDriver> driver;  ///< null: without cameras, or left out
+    std::unique_ptr<DeviceDriver> driver;  ///< null: no cameras, or left out of this build
   };
   const Kind* kind_of(const std::string& scheme) const;
-  /// How devices of the kinds are written, "URI, URI, ".
+  /// Returns the URI forms of the kinds, "URI, URI, ".
   std::string known_uris(std::string_view DeviceKind::*uri) const;
-  /// The scheme is that of a recording.
+  /// Whether the scheme is that of a recording.
   bool is_recording(const std::string& scheme) const;
 
   Clock& clock_;
@@ -91,17 +91,17 @@ struct Devices {
   std::vector<std::unique_ptr<device::Camera>> cameras;
   std::unique_ptr<device::DepthCamera> depth, depth2;
   std::unique_ptr<device::PanTilt> pan_tilt;
-  LensProtocol lens;               ///< of the rig's [lens], opened by what reads it (LensStream)
-  std::shared_ptr<Player> player;  ///< of the recording behind cameras, if any
+  LensProtocol lens;               ///< protocol of the rig's [lens], which LensStream opens
+  std::shared_ptr<Player> player;  ///< player of the recording behind the cameras, if any
 };
-/// Errors: kUsage where neither the depth camera nor rig.toml tells what a step is. `steps`: of
-/// that camera; nothing: of the first.
+/// Checks that the unit of depth is known. Errors: kUsage if neither the depth camera nor rig.toml
+/// states it. `steps`: rig.toml's entry for that camera; null: that of the first.
 Result<void> check_unit(const RigConfig& rig, const device::DepthCamera& camera,
                         const DepthConfig* steps = nullptr);
-/// Opens and sets up all devices that rig.toml names; stops at the first error. A device that is
-/// not there is kDevice, not kNotFound: it may be plugged in later, rig.toml is not wrong.
+/// Opens and sets up all devices that rig.toml names; stops at the first error. A missing device is
+/// kDevice, not kNotFound: it may be plugged in later, and rig.toml is not wrong.
 Result<Devices> open_devices(const RigConfig& rig, DeviceOpener opener);
-/// Exposure, gain, focus, white balance and zoom as given in rig.toml. Errors: those of
+/// Sets exposure, gain, focus, white balance and zoom as given in rig.toml. Errors: those of
 /// Camera::set.
 Result<void> apply_controls(const CameraConfig& config, device::Camera& camera);
 

@@ -42,7 +42,7 @@ CameraConfig config_of(const FoundCamera& camera, std::string name) {
   return config;
 }
 
-/// Those of `uris` that answer.
+/// Appends the cameras of `uris` that answer.
 void look_at(const std::vector<std::string>& uris, DeviceOpener& opener,
              std::vector<FoundCamera>& found) {
   for (const std::string& uri : uris)
@@ -54,8 +54,8 @@ std::vector<std::string> with_scheme(const char* scheme, std::vector<std::string
   return names;
 }
 
-/// In the order that decides which one is the target camera: V4L2 nodes, processed cameras, GenICam
-/// cameras, those of other kinds, the ToF camera of the open protocol.
+/// Returns the cameras in the order that decides which one is the target camera: V4L2 nodes,
+/// processed cameras, GenICam cameras, those of other kinds, the ToF camera of the open protocol.
 std::vector<FoundCamera> find_cameras(const DiscoverOptions& options, DeviceOpener& opener) {
   std::vector<FoundCamera> found;
   look_at(with_scheme("v4l2:", nodes({"video"})), opener, found);

@@ -10,7 +10,7 @@
 namespace mixrig::live {
 namespace {
 
-/// Zoom never adjusts itself.
+/// Controls that may adjust themselves; zoom never does.
 constexpr std::array<device::CameraControl, 4> kControls{
     device::CameraControl::kExposure, device::CameraControl::kGain, device::CameraControl::kFocus,
     device::CameraControl::kWhiteBalance};

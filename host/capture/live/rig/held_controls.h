@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Controls of a camera that would adjust themselves from view to view of a sweep.
+// Fixes controls of a camera that would adjust themselves between the views of a sweep.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ bool adjusts_itself(const CameraConfig& config, const device::CameraInfo& info);
 HeldControls hold_controls(const CameraConfig& config, device::Camera& camera,
                            const HeldControls& earlier);
 
-/// As TOML; pure. Errors of reading: kFormat.
+/// Write and read held controls as TOML; pure. Errors of reading: kFormat.
 std::string held_text(const HeldControls& held);
 Result<HeldControls> parse_held(std::string_view text, const std::string& name);
 

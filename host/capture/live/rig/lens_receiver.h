@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encoders of a lens, as they come from a network.
+// Receives encoder values of a lens from a network.
 #pragma once
 
 #include <memory>
@@ -12,22 +12,22 @@
 
 namespace mixrig::live {
 
-/// For one thread.
+/// Receives encoder values. For one thread.
 class LensReceiver {
  public:
   virtual ~LensReceiver() = default;
-  /// Waits for values, `timeout` at most; nullopt where none came. Does not allocate. Errors:
-  /// kDevice where none can come any longer.
+  /// Waits for values, at most `timeout`; nullopt if none came. Does not allocate. Errors: kDevice
+  /// if none can come any more.
   virtual Result<std::optional<geometry::LensEncoders>> next(Duration timeout) = 0;
-  /// What was wrong with what came so far, for a warning; empty where nothing was.
+  /// Describes faults in the data received so far, for a warning; empty without faults.
   virtual std::string trouble() const = 0;
 };
 
-/// The functions of a protocol. `uri`: with its scheme.
+/// The functions of a protocol. `uri` includes its scheme.
 struct LensProtocol {
-  /// Pure. Errors: kUsage for a URI that is not valid.
+  /// Checks a URI. Pure. Errors: kUsage for a URI that is not valid.
   Result<void> (*check)(const std::string& uri) = nullptr;
-  /// Errors: those of check(); kDevice.
+  /// Opens the receiver. Errors: those of check(); kDevice.
   Result<std::unique_ptr<LensReceiver>> (*open)(const std::string& uri) = nullptr;
 };
 

@@ -109,7 +109,7 @@ CameraConfig parse_camera(const config::Table& table, const std::string& fallbac
   return camera;
 }
 
-/// [depth], or [[depth]] once or twice.
+/// Reads [depth], or [[depth]] once or twice.
 void parse_depth_cameras(const config::Table& root, RigConfig& rig) {
   std::vector<config::Table> tables;
   if (root.size_of("depth") > 0)

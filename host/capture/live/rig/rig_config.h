@@ -19,17 +19,18 @@
 
 namespace mixrig::live {
 
-/// What the samples of a colour camera mean; what is absent is as the device tells it.
+/// Meaning of the samples of a colour camera; absent values are those that the device reports.
 struct ColorConfig {
   std::optional<device::Transfer> transfer;
-  double gamma = 2.2;  ///< of Transfer::kGamma
+  double gamma = 2.2;  ///< used by Transfer::kGamma only
   std::optional<device::YuvMatrix> matrix;
   std::optional<device::SampleRange> range;
-  double black_level = 0;                      ///< sample without light, in the camera's own steps
-  std::array<double, 3> white_gains{1, 1, 1};  ///< of red, green and blue light, each 1 or more
+  double black_level = 0;  ///< sample without light, in the camera's own steps
+  /// Factors of red, green and blue light, each 1 or more.
+  std::array<double, 3> white_gains{1, 1, 1};
 };
 
-/// What depth steps mean; what is absent is as the device tells it.
+/// Meaning of depth steps; absent values are those that the device reports.
 struct DepthConfig {
   std::optional<double> unit_m, offset_m;
   std::optional<device::DepthMeaning> kind;
@@ -46,7 +47,7 @@ struct CameraConfig {
   int trigger_line = -1;  ///< line of the trigger that fires the camera; -1 runs free
   Duration delay{};  ///< from the tick to the stamp: trigger latency, half the exposure, transport
   std::optional<double> exposure_s, gain, focus, white_balance_k, zoom;
-  ColorConfig color;  ///< of a [[camera]]
+  ColorConfig color;  ///< only for a [[camera]]
 };
 
 struct TriggerLine {
@@ -54,7 +55,7 @@ struct TriggerLine {
   device::TriggerChannel channel;
 };
 
-/// Name of the further camera whose pictures are the fisheye's.
+/// Name of the camera whose pictures become Capture::fisheye.
 inline constexpr const char* kFisheye = "fisheye";
 
 struct RigConfig {
@@ -69,31 +70,32 @@ struct RigConfig {
   std::vector<CameraConfig> cameras;  ///< the first one is the target camera
   std::optional<CameraConfig> depth;
   DepthConfig depth_steps;
-  std::optional<CameraConfig> depth2;  ///< a second one, only with `depth`
+  std::optional<CameraConfig> depth2;  ///< a second depth camera, only with `depth`
   DepthConfig depth2_steps;
   std::string pan_tilt_uri;
-  std::string lens_uri;             ///< of the encoders of the target camera's lens, or empty
-  Duration lens_delay{};            ///< from what a packet says to its arrival
-  std::optional<HostTime> play_at;  ///< of the first frame of recordings that are played
-  std::optional<geometry::CameraModel> target, tof;  ///< inline calibration, where it is given
+  std::string lens_uri;             ///< encoders of the target camera's lens, or empty
+  Duration lens_delay{};            ///< from the time of a packet's values to its arrival
+  std::optional<HostTime> play_at;  ///< time of the first frame of played recordings
+  std::optional<geometry::CameraModel> target, tof;  ///< inline calibration, if given
   std::optional<geometry::Pose> target_from_tof;
-  std::optional<geometry::CameraModel> tof2;  ///< of `depth2`
+  std::optional<geometry::CameraModel> tof2;  ///< camera of `depth2`
   std::optional<geometry::Pose> target_from_tof2;
-  std::optional<geometry::Pose> world_from_target;  ///< of a rig that does not move
+  std::optional<geometry::Pose> world_from_target;  ///< pose of a rig that does not move
 
   const TriggerLine* line_of(const CameraConfig& camera) const { return line(camera.trigger_line); }
-  /// Null where the trigger has no such line.
+  /// Returns the line; null if the trigger has no such line.
   const TriggerLine* line(int number) const;
 };
 
-/// The word of rig.toml.
+/// Returns the word of rig.toml for a transfer.
 std::string_view transfer_word(device::Transfer transfer);
 
-/// Errors: kNotFound, kFormat (file:line: key ...).
+/// Reads rig.toml. Errors: kNotFound, kFormat (file:line: key ...).
 Result<RigConfig> read_rig(const std::filesystem::path& path);
-/// The same from text; pure.
+/// Parses the text of a rig.toml; `name` stands for the file. Pure. Errors: kFormat.
 Result<RigConfig> parse_rig(std::string_view text, const std::string& name);
-/// As rig.toml; parse_rig reads back the same rig. Calibration is left out.
+/// Returns the rig as rig.toml, from which parse_rig() reads back the same rig, without its
+/// calibration.
 std::string rig_text(const RigConfig& rig);
 
 }  // namespace mixrig::live

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Changes of a rig.toml that leave the rest of its text as it is. Pure.
+// Edits a rig.toml and leaves the rest of its text unchanged. Pure.
 #pragma once
 
 #include <string>
@@ -18,9 +18,9 @@ struct ControlKey {
 };
 ControlKey control_key(device::CameraControl control);
 
-/// The text with a control of the [[camera]] `camera` fixed at `value` (as device::Camera::set()).
-/// `name` is that of the file, for errors. Errors: kFormat where the text is no rig or its cameras
-/// are not tables [[camera]] of their own; kNotFound where there is no such camera.
+/// Returns the text with a control of the [[camera]] `camera` fixed at `value` (in the unit of
+/// device::Camera::set()). `name` names the file in errors. Errors: kFormat if the text is no rig
+/// or its cameras are not [[camera]] tables; kNotFound if there is no such camera.
 Result<std::string> with_control(std::string_view text, const std::string& name,
                                  const std::string& camera, device::CameraControl control,
                                  double value);

@@ -32,7 +32,7 @@ LensStream::~LensStream() {
 }
 
 void LensStream::listen() {
-  constexpr Duration kLook = std::chrono::milliseconds(50);  // at stop_
+  constexpr Duration kLook = std::chrono::milliseconds(50);  // how often stop_ is checked
   while (!stop_) {
     const auto encoders = receiver_->next(kLook);
     if (!encoders) {
@@ -46,7 +46,8 @@ void LensStream::listen() {
 void LensStream::keep(const geometry::LensEncoders& encoders) {
   const capture::LensSample sample{clock_.now() - delay_, encoders};
   const std::lock_guard lock(mutex_);
-  if (count_ > 0 && sample.time <= samples_[count_ - 1].time) return;  // two at one time
+  // No newer than the last sample.
+  if (count_ > 0 && sample.time <= samples_[count_ - 1].time) return;
   if (count_ == kKept) std::move(samples_.begin() + 1, samples_.end(), samples_.begin());
   count_ = std::min(count_ + 1, kKept);
   samples_[count_ - 1] = sample;

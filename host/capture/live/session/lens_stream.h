@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the encoders of a rig's lens say, as it comes from the network.
+// Encoder values of a rig's lens, received from the network.
 #pragma once
 
 #include <array>
@@ -17,12 +17,12 @@
 
 namespace mixrig::live {
 
-/// Listens in a thread of its own from open() on, and keeps the last values. Warns at its end of
-/// packets that could not be read. Nothing allocates between.
+/// Listens in its own thread from open() on, and keeps the last values. The destructor warns of
+/// packets that could not be read. Nothing allocates in between.
 class LensStream {
  public:
-  /// Null for a rig without [lens]. `devices`: those of the rig. `clock` must outlive it. Errors:
-  /// those of LensProtocol::open().
+  /// Opens the stream; null for a rig without [lens]. `devices`: those of the rig. `clock` must
+  /// outlive it. Errors: those of LensProtocol::open().
   static Result<std::unique_ptr<LensStream>> open(const RigConfig& config, const Devices& devices,
                                                   const Clock& clock);
   LensStream(std::unique_ptr<LensReceiver> receiver, Duration delay, const Clock& clock);
@@ -30,8 +30,8 @@ class LensStream {
   LensStream(const LensStream&) = delete;
   LensStream& operator=(const LensStream&) = delete;
 
-  /// As capture::lens_at() of the values that have come; a packet's time is that of its arrival
-  /// less the delay. Any thread.
+  /// Returns capture::lens_at() of the received values; a packet's time is its arrival minus the
+  /// delay. Any thread.
   std::optional<geometry::LensEncoders> at(HostTime mid_exposure) const;
 
  private:
@@ -43,7 +43,7 @@ class LensStream {
   const Duration delay_;
   const Clock& clock_;
   mutable std::mutex mutex_;
-  std::array<capture::LensSample, kKept> samples_;  ///< the first count_ ones, by time
+  std::array<capture::LensSample, kKept> samples_;  ///< the first count_ are used, ordered by time
   std::size_t count_ = 0;
   std::atomic<bool> stop_ = false;
   std::thread thread_;

@@ -19,7 +19,7 @@ geometry::CameraModel guess(Size size) {
           .lens = {}};
 }
 
-/// What the device reports, else a guess.
+/// Returns the model that the device reports, else a guess.
 geometry::CameraModel depth_model(const device::DepthCamera& depth) {
   geometry::CameraModel model = guess(depth.info().size);
   if (const auto& reported = depth.depth().intrinsics) {
@@ -30,7 +30,7 @@ geometry::CameraModel depth_model(const device::DepthCamera& depth) {
   return model;
 }
 
-/// Cameras without the values of rig.toml.
+/// Returns the cameras without the values of rig.toml.
 take::TakeInfo info_of_devices(const Devices& devices) {
   take::TakeInfo info;
   if (devices.player) {
@@ -85,7 +85,7 @@ Result<void> describe_fisheye(const RigConfig& config, const Devices& devices,
                                       "trigger_line"};
 }
 
-/// Delay of a triggered camera's stamp after that of the colour camera; 0 where not known.
+/// Returns the delay of a triggered camera's stamp after that of the colour camera; 0 if unknown.
 double delay_after_color_s(const RigConfig& config, const CameraConfig& depth) {
   const CameraConfig& color = config.cameras.front();
   const TriggerLine *line = config.line_of(depth), *first = config.line_of(color);
@@ -229,7 +229,7 @@ Result<void> SetDecoder::decode(const LiveSet& set, capture::Capture& capture) {
   return {};
 }
 
-/// In the forms that are wanted.
+/// Decodes the plate in the requested forms.
 Result<void> SetDecoder::decode_plate(const device::FramePtr& frame, capture::Capture& capture) {
   const capture::PlateForms forms = forms_;
   capture.picture.reset();
@@ -242,7 +242,7 @@ Result<void> SetDecoder::decode_plate(const device::FramePtr& frame, capture::Ca
   return {};
 }
 
-/// The set's depth, or the last one for a moment, or none.
+/// Decodes the set's depth, or keeps the last one for kDepthHold, or clears it.
 Result<void> SetDecoder::decode_depth(const LiveSet& set, capture::Capture& capture) {
   using capture::StreamStatus;
   sync::TimedFrame depth = set.frames.frames[devices_.cameras.size()];
@@ -266,7 +266,7 @@ Result<void> SetDecoder::decode_depth(const LiveSet& set, capture::Capture& capt
   return {};
 }
 
-/// A frame without it is composited with the first depth camera alone.
+/// Decodes the second depth. A frame without it is composited with the first depth camera alone.
 void SetDecoder::decode_second_depth(const LiveSet& set, capture::Capture& capture) {
   using capture::StreamStatus;
   const sync::TimedFrame& timed = set.frames.frames[devices_.cameras.size() + 1];

@@ -16,30 +16,32 @@
 
 namespace mixrig::live {
 
-/// The cameras of a live rig: those of rig.toml, else of the recording that is played, else what
-/// the devices report, else a pinhole of 60 degrees, which `mixrig calibrate` replaces.
+/// Returns the cameras of a live rig: those of rig.toml, else of the played recording, else those
+/// that the devices report, else a pinhole of 60 degrees, which `mixrig calibrate` replaces.
 /// Errors: kUsage for a rig without a camera or without a depth camera, or with a fisheye whose
 /// rate is not known.
 Result<take::TakeInfo> take_info(const RigConfig& config, const Devices& devices);
 
-/// What the steps of the depth camera mean: as the device tells it, but for what rig.toml says.
-/// Precondition: the rig has a depth camera.
+/// Returns the meaning of the depth camera's steps: as the device reports it, overridden by
+/// rig.toml. Precondition: the rig has a depth camera.
 device::DepthInfo depth_info(const RigConfig& config, const Devices& devices);
-/// What the samples of a colour camera mean, likewise.
+/// Returns the meaning of a colour camera's samples: as the device reports it, overridden by
+/// rig.toml.
 capture::ColorSettings color_settings(const CameraConfig& config, const device::CameraInfo& info);
 
-/// Index of the further camera named kFisheye in `config.cameras`; 0 where the rig has none.
+/// Returns the index of the camera named kFisheye in `config.cameras`; 0 if the rig has none.
 std::size_t fisheye_index(const RigConfig& config);
-/// Its trigger's, else the device's, else the wanted one; 0 where none is known or there is none.
+/// Returns the fisheye's rate: that of its trigger, else the device's, else the requested one; 0 if
+/// none is known or there is no fisheye.
 double fisheye_rate_hz(const RigConfig& config, const Devices& devices);
 
-/// A set with colour and without depth.
+/// What happens to a set with colour and without depth.
 enum class WithoutDepth {
-  kSkip,  ///< is not decoded
+  kSkip,  ///< it is not decoded
   kHold,  ///< once depth has come: has the last depth again (kRepeated) for kDepthHold after its
           ///< exposure, then none (kMissing)
 };
-/// People move 20 cm in it when they run.
+/// How long the last depth is repeated. People who run move 20 cm in this time.
 inline constexpr Duration kDepthHold = std::chrono::milliseconds(100);
 
 /// Decodes frame sets. Not thread-safe.
@@ -48,13 +50,14 @@ class SetDecoder {
   /// `config` and `devices` must outlive it.
   SetDecoder(const RigConfig& config, const Devices& devices,
              WithoutDepth without_depth = WithoutDepth::kSkip);
-  /// Plate, depth in metres, amplitude and, where the rig has a camera named "fisheye", its
-  /// picture with its own mid-exposure and counter (capture::fisheye_status; one that cannot be
-  /// decoded is missing); mid-exposure, tick, head angles and the streams' status. Keeps the
-  /// buffers of `capture`, and does not change its number, time, cameras and pose. Errors: kData
-  /// where the set lacks colour or depth, but for kHold, or one of them cannot be decoded: skip it.
+  /// Decodes plate, depth in metres, amplitude and, if the rig has a camera named "fisheye", its
+  /// picture with its own mid-exposure and counter (capture::fisheye_status; a picture that cannot
+  /// be decoded is missing); sets mid-exposure, tick, head angles and the streams' status. Keeps
+  /// the buffers of `capture`, and does not change its number, time, cameras and pose. Errors:
+  /// kData if the set lacks colour or (except with kHold) depth, or one of them cannot be decoded:
+  /// skip it.
   Result<void> decode(const LiveSet& set, capture::Capture& capture);
-  /// Forms of the plates of the next sets. Any thread.
+  /// Sets the forms of the plates of the next sets. Any thread.
   void share_plates(capture::PlateForms forms) { forms_ = forms; }
 
  private:
@@ -64,14 +67,14 @@ class SetDecoder {
   void decode_second_depth(const LiveSet& set, capture::Capture& capture);
 
   const Devices& devices_;
-  const device::DepthInfo depth_, depth2_;  ///< default where the rig has no such camera
+  const device::DepthInfo depth_, depth2_;  ///< default if the rig has no such camera
   capture::ColorDecoder plate_, fisheye_decoder_;
   std::atomic<capture::PlateForms> forms_{};
   Pool<capture::CameraPicture> pictures_;
-  const std::size_t fisheye_;  ///< index of its stream; 0 where the rig has none
+  const std::size_t fisheye_;  ///< index of the fisheye's stream; 0 if the rig has none
   const Duration fisheye_hold_;
   const WithoutDepth without_depth_;
-  sync::TimedFrame held_depth_;                             ///< the last one, of kHold
+  sync::TimedFrame held_depth_;  ///< the last depth frame, for kHold
   std::optional<std::uint64_t> last_depth_, last_depth2_,
       last_fisheye_;  ///< counters of the last decoded frames
 };

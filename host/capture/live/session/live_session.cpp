@@ -18,8 +18,8 @@ constexpr int kFarthestFree_ticks = 3;
 constexpr double kMuchSlower = 1.5;
 constexpr int kDoubts = 3;
 constexpr Duration kFuture = std::chrono::milliseconds(20);
-// Two queries of a head at 9600 baud take 70 ms. An axis that was asked just before the exposure is
-// known after the next two: 140 ms, four frames at 25 Hz.
+// Longest wait for an angle. Two queries of a head at 9600 baud take 70 ms. An axis that was
+// queried just before the exposure is known after the next two: 140 ms, four frames at 25 Hz.
 constexpr Duration kHeadPatience = std::chrono::milliseconds(155);
 
 }  // namespace
@@ -35,8 +35,8 @@ LiveSession::LiveSession(const RigConfig& config, Devices& devices, Clock& clock
   builder_.emplace(joins, [this](const sync::FrameSet& set) { emit(set); });
 }
 
-/// A stream much slower than the leading one is not awaited: its last frame is used, for as long as
-/// capture::fisheye_hold() says.
+/// A stream much slower than the leading one is not awaited: its last frame is used for the time of
+/// capture::fisheye_hold().
 sync::Join LiveSession::join_of(const Stream& stream) const {
   const double ticks = period_ticks(stream), leading_ticks = period_ticks(streams_.front());
   const double held_ticks = seconds(capture::fisheye_hold(100 / ticks)) / seconds(kTickPeriod);
@@ -47,7 +47,7 @@ sync::Join LiveSession::join_of(const Stream& stream) const {
               triggered ? std::max(1, static_cast<int>(ticks) / 2) : kFarthestFree_ticks};
 }
 
-/// Ticks from frame to frame; 0 where unknown.
+/// Returns the ticks from frame to frame; 0 if unknown.
 double LiveSession::period_ticks(const Stream& stream) const {
   if (const TriggerLine* line = config_.line_of(*stream.config)) return line->channel.divider;
   return stream.rate_hz > 0 ? 100 / stream.rate_hz : 0;
@@ -173,8 +173,8 @@ bool LiveSession::follow_trigger(HostTime& next_status) {
     const auto status = devices_.trigger->status();
     if (!status) return false;
     if (status->state != device::TriggerState::kRunning) {
-      // It was reset. Its tick numbers and its clock start again: frames that it triggers from now
-      // on must not be paired with an old tick, and its time is read before its ticks.
+      // The master was reset. Its tick numbers and its clock restart: frames that it triggers from
+      // now on must not be paired with an old tick, and its time is read before its ticks.
       push({.kind = Event::Kind::kTickRestart, .tick = {}, .stream = 0, .frame = {}});
       if (!start_trigger()) return false;
       next_status = clock_.now();
@@ -273,7 +273,7 @@ void LiveSession::on_edge(HostTime at) {
   ticks_.add(made->tick);
 }
 
-/// Tick numbers start again.
+/// Handles a restart of tick numbers.
 void LiveSession::on_restart() {
   for (Stream& stream : streams_) stream.pairer.restart();
   builder_->restart();
@@ -305,7 +305,8 @@ void LiveSession::on_frame(const Event& event) {
                 {event.frame, pairing, tick_time ? *tick_time + stream.config->delay : stamp});
 }
 
-/// After kDoubts stamps in a row that contradict counter and arrival: the camera's clock was set.
+/// Counts stamps that contradict counter and arrival. After kDoubts in a row the camera's clock was
+/// set, and its map restarts.
 void LiveSession::count_clock_doubt(Stream& stream, bool doubted) {
   stream.doubts = doubted ? stream.doubts + 1 : 0;
   if (stream.doubts < kDoubts) return;
@@ -321,7 +322,7 @@ HostTime LiveSession::stamp_of(Stream& stream, const device::Frame& frame) {
       (void)stream.clock.add(frame.device_time, frame.received);
       const HostTime at = stream.clock.to_host(frame.device_time).value_or(frame.received);
       if (at <= frame.received + kFuture) return at;
-      stream.clock = {};  // exposed after it arrived: the camera's clock was set ahead
+      stream.clock = {};  // a stamp after the arrival: the camera's clock was set ahead
       return frame.received;
     }
     case device::StampClock::kNone:
@@ -330,7 +331,7 @@ HostTime LiveSession::stamp_of(Stream& stream, const device::Frame& frame) {
   return frame.received;
 }
 
-/// With a head sets are handed out in bursts: one more may wait.
+/// Hands a set out. With a head, sets are handed out in bursts, so one more may wait.
 void LiveSession::emit(const sync::FrameSet& set) {
   sets_.trim(devices_.pan_tilt ? kSets : kSets - 1);
   release(kHeadPatience, kHeld - 1);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the devices of a rig: one thread per device, one that pairs; delivers sets of frames.
+// Runs the devices of a rig, one thread per device and one that pairs frames, and delivers sets of
+// frames.
 #pragma once
 
 #include <array>
@@ -27,7 +28,7 @@
 
 namespace mixrig::live {
 
-/// The frames of one moment, and the angle of the head.
+/// Frames of one moment, and the angle of the head.
 struct LiveSet {
   sync::FrameSet frames;  ///< 0 is the leading camera, then the others, then the depth cameras
   std::optional<device::PanTiltAngles> pan_tilt;  ///< at mid-exposure; empty where unknown
@@ -36,7 +37,7 @@ struct LiveSet {
 using StreamReport = capture::StreamReport;
 using SessionReport = capture::SourceReport;
 
-/// Config, devices and clock must outlive it. Methods for one thread.
+/// Runs a rig. Config, devices and clock must outlive it. Methods are for one thread.
 class LiveSession {
  public:
   LiveSession(const RigConfig& config, Devices& devices, Clock& clock);
@@ -44,28 +45,30 @@ class LiveSession {
   LiveSession(const LiveSession&) = delete;
   LiveSession& operator=(const LiveSession&) = delete;
 
-  /// Errors: those of the devices; what had been started is stopped.
+  /// Starts all devices. Errors: those of the devices; devices that had started are stopped.
   Result<void> start();
-  /// Devices first, then the threads, in the order of the data. Harmless when stopped.
+  /// Stops the devices first, then the threads, in the order of the data. Does nothing when
+  /// stopped.
   void stop();
-  /// The next set; empty when none came in time. The oldest is dropped when two wait already. A set
-  /// whose angle is not known yet (the head moves) is held until it is, 120 ms at most.
+  /// Returns the next set; empty if none came in time. The oldest is dropped when two wait already.
+  /// A set whose angle is not known yet (the head moves) is held until it is, at most kHeadPatience
+  /// (live_session.cpp).
   std::optional<LiveSet> next(Duration timeout) { return sets_.pop(timeout); }
   /// Moves the head, between two of its answers, and returns when it has accepted the command.
-  /// Errors: kUsage where the session does not run or the rig has no head; those of
+  /// Errors: kUsage if the session does not run or the rig has no head; those of
   /// device::PanTilt::move_to.
   Result<void> move_head(device::PanTiltAngles target);
-  /// Stops both axes. Errors as above.
+  /// Stops both axes. Errors: those of move_head().
   Result<void> halt_head();
-  /// All cameras have ended by themselves (end of a recording, a device that failed) and all their
-  /// frames were paired: next() delivers the remaining sets, then none.
+  /// Whether all cameras have ended by themselves (end of a recording, a failed device) and all
+  /// their frames were paired: next() then delivers the remaining sets, then none.
   bool ended() const;
   SessionReport report() const;
 
  private:
   struct Event {
     enum class Kind { kNone, kTick, kTickRestart, kEdge, kFrame } kind = Kind::kNone;
-    sync::Tick tick;  ///< of an edge only the time
+    sync::Tick tick;  ///< for an edge only the time is set
     std::size_t stream = 0;
     device::FramePtr frame;
   };
@@ -76,7 +79,7 @@ class LiveSession {
     bool fired = false;  ///< the tick that triggers a frame is known
     sync::FramePairer pairer{{}};
     sync::DeviceClock clock;
-    int doubts = 0;  ///< frames in a row
+    int doubts = 0;  ///< frames in a row whose clock was doubted
     std::uint64_t paired = 0;
     double residual_sum_s = 0, residual_square_s2 = 0;
   };
@@ -122,7 +125,7 @@ class LiveSession {
   std::atomic<std::uint64_t> pushed_ = 0, handled_ = 0, held_count_ = 0;
   bool running_ = false;
 
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::vector<Stream> streams_;
   sync::TickHistory ticks_{std::chrono::milliseconds(10)};
   std::optional<sync::EdgeTicks> edges_;
@@ -133,7 +136,7 @@ class LiveSession {
   Ring<LiveSet, kHeld> held_;  ///< sets that wait for their angle
   SessionReport counts_;
   std::optional<HeadCommand> head_command_;  ///< waits for the thread of the head
-  std::optional<Result<void>> head_answer_;  ///< to it
+  std::optional<Result<void>> head_answer_;  ///< answer to head_command_
   std::condition_variable head_answered_;
 };
 

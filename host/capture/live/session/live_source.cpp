@@ -39,7 +39,7 @@ class LiveSource final : public capture::CaptureSource {
   }
 
   ~LiveSource() override {
-    // Before the devices stop.
+    // Ends the use of the rig before the devices stop.
     if (running_) running_->end();
     if (settings_) settings_->end();
   }
@@ -69,21 +69,21 @@ class LiveSource final : public capture::CaptureSource {
   Devices devices_;
   capture::SourceInfo info_;
   std::shared_ptr<const capture::RigCameras> cameras_;
-  std::unique_ptr<LensStream> lens_;  ///< null for a rig without
+  std::unique_ptr<LensStream> lens_;  ///< null for a rig without [lens]
   const std::atomic<bool>& stop_;
   Clock& clock_;
   const WhenLost when_lost_;
   SetDecoder decoder_;
   LiveSession session_;
-  std::shared_ptr<CameraSettings> settings_;  ///< null: nobody sets anything
-  std::shared_ptr<RunningRig> running_;       ///< null: nobody turns the head
+  std::shared_ptr<CameraSettings> settings_;  ///< null: no settings are changed
+  std::shared_ptr<RunningRig> running_;       ///< null: the head is not moved
   bool started_ = false;
   std::atomic<std::uint64_t> left_out_ = 0;  ///< sets without colour or depth
   std::atomic<std::uint64_t> without_depth_ = 0, held_depth_ = 0;
   std::atomic<double> longest_gap_s_ = 0;
   std::optional<HostTime> first_, last_;  ///< mid-exposures of captures
-  bool silent_ = false;                   ///< and it was said
-  bool depth_gone_ = false;               ///< likewise
+  bool silent_ = false;                   ///< the wait for colour was logged
+  bool depth_gone_ = false;               ///< the loss of depth was logged
 };
 
 Result<void> LiveSource::start() {
@@ -97,14 +97,14 @@ Result<void> LiveSource::start() {
   return {};
 }
 
-/// Why nothing came.
+/// Returns the error that says why no set came.
 Error LiveSource::silence() const {
   if (auto lost = lost_camera(session_.report())) return *std::move(lost);
   return {ErrorCode::kDevice,
           "no frames that could be paired came from the cameras for five seconds: run mixrig diag"};
 }
 
-/// Whether colour may come back by itself. Says once that it is awaited.
+/// Whether colour may return by itself. Logs once that it is awaited.
 bool LiveSource::waits_on() {
   const device::DeviceState color = devices_.cameras.front()->health().state;
   const bool returns =
@@ -115,7 +115,7 @@ bool LiveSource::waits_on() {
   return true;
 }
 
-/// Of a capture that is given out. Says once that a stream is gone, or back.
+/// Counts a capture that is given out. Logs once when a stream is lost, or back.
 void LiveSource::count(const capture::Capture& capture) {
   using capture::Stream;
   using capture::StreamStatus;

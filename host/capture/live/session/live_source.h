@@ -14,7 +14,7 @@
 
 namespace mixrig::live {
 
-/// What read() does when one of the cameras delivers no longer.
+/// What read() does when a camera stops delivering.
 enum class WhenLost {
   kEnd,   ///< an error after five seconds without colour and depth: it names the camera
   kGoOn,  ///< after the first set with both: captures without depth are given, and colour is waited

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which camera of a rig is gone.
+// Finds the camera of a rig that is lost.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@
 
 namespace mixrig::live {
 
-/// kDevice with the name and URI of the first camera that is unplugged or has failed, and what to
-/// check; nullopt where all are there or have ended by themselves.
+/// Returns a kDevice error with the name and URI of the first camera that is unplugged or has
+/// failed, and what to check; nullopt if all are present or have ended by themselves.
 std::optional<Error> lost_camera(const capture::SourceReport& report);
 
 }  // namespace mixrig::live

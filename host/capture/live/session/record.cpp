@@ -17,8 +17,10 @@ namespace {
 
 constexpr Duration kRecordWait = std::chrono::milliseconds(200);
 constexpr Duration kFirstFrameTimeout = std::chrono::seconds(5);  // until the first frame
-constexpr int kFramesPerDiskCheck = 10;                           // at the free disk
-constexpr long kReserve_bytes = 4L << 20;                         // index and manifest of a take
+// Frames between checks of the free disk space.
+constexpr int kFramesPerDiskCheck = 10;
+// Space for index and manifest of a take.
+constexpr long kReserve_bytes = 4L << 20;
 
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
@@ -71,7 +73,7 @@ class Recorder {
     return {};
   }
 
-  /// False for a set without readable colour and depth.
+  /// Writes a set; false for one without readable colour and depth.
   Result<bool> write(const LiveSet& set) {
     if (!decoder_.decode(set, frame_)) return false;
     const HostTime at = set.frames.frames[0].mid_exposure;
@@ -99,7 +101,7 @@ class Recorder {
   int frames() const { return number_; }
 
  private:
-  /// Frames of the further cameras but the fisheye, which is in the take, each once.
+  /// Writes the frames of the other cameras, each once, except the fisheye, which is in the take.
   Result<void> write_others(const LiveSet& set) {
     for (std::size_t i = 1; i < devices_.cameras.size(); ++i) {
       if (i == fisheye_index(config_)) continue;
@@ -147,7 +149,7 @@ class Recorder {
   };
   const RigConfig& config_;
   const Devices& devices_;
-  std::unique_ptr<LensStream> lens_;  ///< null for a rig without
+  std::unique_ptr<LensStream> lens_;  ///< null for a rig without [lens]
   SetDecoder decoder_;
   take::TakeWriter writer_;
   capture::Capture frame_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rig of a run that goes on, for a sweep beside it.
+// Lets a sweep use the rig of a run while the run continues.
 #pragma once
 
 #include <atomic>
@@ -16,47 +16,49 @@
 
 namespace mixrig::live {
 
-/// What a sweep has to know of a rig's devices.
+/// Facts about a rig's devices that a sweep needs.
 struct SweepFacts {
   Size color_px, depth_px;
   device::PanTiltInfo unit;
   take::TakeInfo take;
 };
-/// Precondition: the rig has a camera, a depth camera and a head. Errors: those of take_info().
+/// Collects these facts. Precondition: the rig has a camera, a depth camera and a head. Errors:
+/// those of take_info().
 Result<SweepFacts> sweep_facts(const RigConfig& config, const Devices& devices);
 
-/// The run's source gives its captures between follow() and end(), as they were decoded, while
-/// somebody listens; the head is moved by the thread of its session. A run that is slower than the
-/// cameras gives fewer. follow(), give() and end() are of the source; the rest is for any one
-/// thread.
+/// A SweepRig on a running rig. The run's source passes its decoded captures between follow() and
+/// end(), while somebody listens; the thread of its session moves the head. A run that is slower
+/// than the cameras passes fewer. The source calls follow(), give() and end(); any one thread calls
+/// the rest.
 class RunningRig final : public SweepRig {
  public:
-  /// Does nothing where the rig has no head or no depth camera. All of them stay until end().
+  /// Begins to follow a rig; does nothing if it has no head or no depth camera. The arguments must
+  /// live until end().
   void follow(const RigConfig& config, const Devices& devices, LiveSession& session);
   void end();
   void give(const LiveSet& set, const capture::Capture& capture);
 
   /// Whether a rig with a head runs.
   bool runs() const;
-  /// Errors: kUsage where none runs; those of sweep_facts().
+  /// Returns the facts. Errors: kUsage if no rig runs; those of sweep_facts().
   Result<SweepFacts> facts() const;
-  /// Captures are copied for next() from now on, or no longer.
+  /// Starts or stops copying captures for next().
   void listen(bool on) { listens_ = on; }
 
   device::PanTiltAngles step() const override;
   Result<void> move_to(device::PanTiltAngles target) override;
   Result<void> halt() override;
-  /// The newest capture. Errors: kDevice where the rig runs no longer.
+  /// Returns the newest capture. Errors: kDevice if the rig no longer runs.
   Result<bool> next(Duration timeout, capture::Capture& frame, HostTime& exposed_from) override;
 
  private:
   std::atomic<bool> listens_ = false;
-  mutable std::mutex rig_mutex_;  ///< guards what follows; held while the head is told
+  mutable std::mutex rig_mutex_;  ///< guards the members below; held during a command to the head
   const RigConfig* config_ = nullptr;
   const Devices* devices_ = nullptr;
-  LiveSession* session_ = nullptr;  ///< null: none runs
+  LiveSession* session_ = nullptr;  ///< null: no rig runs
   std::optional<ExposureBegin> begin_;
-  std::mutex frame_mutex_;  ///< guards what follows
+  std::mutex frame_mutex_;  ///< guards the members below
   std::condition_variable came_;
   bool there_ = false, ended_ = false;
   capture::Capture newest_;

@@ -14,17 +14,18 @@ namespace mixrig::live {
 namespace {
 
 constexpr Duration kBracketWait = std::chrono::milliseconds(100);
-/// So long, and for so many pictures, it is waited for a picture to follow, else a control has no
-/// effect; at most so long where fewer come.
+/// Time, and number of pictures, within which the picture must follow a control, else the control
+/// has no effect; and the longest time if fewer pictures come.
 constexpr Duration kFollows = std::chrono::seconds(3), kFollowsAtMost = std::chrono::seconds(60);
 constexpr int kLeastLooks = 20;
-constexpr Duration kBlind = std::chrono::milliseconds(500);  ///< where pictures do not tell
+/// Wait if the pictures do not show the change.
+constexpr Duration kBlind = std::chrono::milliseconds(500);
 constexpr double kReached = 1.3, kStill = 1.03, kReadBack = 1.1;
 constexpr std::size_t kLeastSeen = 100;
 constexpr int kSeenStride = 7;
 constexpr double kMostOfPeriod = 0.9;
 
-/// By which factor `b` is brighter; nothing where too few pixels tell.
+/// Returns the factor by which `b` is brighter; empty if too few pixels show it.
 std::optional<double> brighter(const Image<Rgb8>& a, const Image<Rgb8>& b,
                                std::vector<float>& scratch) {
   scratch.clear();

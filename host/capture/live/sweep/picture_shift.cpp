@@ -50,14 +50,14 @@ ShiftSums sums_of(ImageView<const float> a, ImageView<const float> b, int x0, in
   return s;
 }
 
-/// b(p) = a(p - s), so e = -g s. The gradient of noise of variance v has a variance of v / 8: that
-/// of e is 2 v, and four samples are averaged with weight 1/4.
+/// Solves one block. b(p) = a(p - s), so e = -g s. The gradient of noise of variance v has a
+/// variance of v / 8: that of e is 2 v, and four samples are averaged with weight 1/4.
 void solve_block(const ShiftSums& s, std::vector<AxisShift>& along_x,
                  std::vector<AxisShift>& along_y) {
   const double det = s.xx * s.yy - s.xy * s.xy;
   if (s.count < kFewestPixels || !(det > 1e-9 * s.xx * s.yy)) return;
   const double x = -(s.yy * s.xe - s.xy * s.ye) / det, y = -(s.xx * s.ye - s.xy * s.xe) / det;
-  const double least = 1e-6 * s.count;  // of equal pictures
+  const double least = 1e-6 * s.count;  // floor for equal pictures
   const double squares = std::max(least, s.ee + x * s.xe + y * s.ye);
   const double variance = squares / std::max(1, s.count - 2);
   const double noise = kOutOfNoise * s.count * variance / 8;
@@ -76,7 +76,7 @@ void weighted_median(std::vector<AxisShift>& shifts, double& px, double& sigma_p
     below += shift.weight;
     if (below >= 0.5 * sum) break;
   }
-  sigma_px = 1.25 / std::sqrt(sum);  // a median's, of normal values
+  sigma_px = 1.25 / std::sqrt(sum);  // sigma of the median of normal values
 }
 
 }  // namespace

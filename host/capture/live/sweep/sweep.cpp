@@ -15,7 +15,7 @@ namespace {
 constexpr Duration kSweepWait = std::chrono::milliseconds(100);
 constexpr double kHalfStep = 0.51, kFinestStep_rad = 1e-5;
 
-/// The farther axis.
+/// Returns the larger of the two axes' distances.
 double away_from(device::PanTiltAngles a, device::PanTiltAngles b) {
   return std::max(std::abs(a.pan_rad - b.pan_rad), std::abs(a.tilt_rad - b.tilt_rad));
 }
@@ -32,7 +32,7 @@ bool is_fresh(const capture::Capture& frame) {
   return frame.status_of(capture::Stream::kDepth) != capture::StreamStatus::kRepeated;
 }
 
-/// `error` with the view at which it came.
+/// Adds the view to an error.
 Error at_view(Error error, const SweepOptions& options, std::size_t view) {
   const device::PanTiltAngles& at = options.views[view];
   error.context =
@@ -41,7 +41,7 @@ Error at_view(Error error, const SweepOptions& options, std::size_t view) {
   return error;
 }
 
-/// One view; false when `stop` was set.
+/// Takes one view; false when `stop` was set.
 Result<bool> take_view(SweepRig& rig, device::PanTiltAngles target, ViewTaker& taker,
                        capture::Capture& frame, const std::atomic<bool>& stop, Clock& clock) {
   if (auto moving = rig.move_to(target); !moving) {
@@ -59,7 +59,7 @@ Result<bool> take_view(SweepRig& rig, device::PanTiltAngles target, ViewTaker& t
     MIXRIG_ASSIGN(const bool there, rig.next(kSweepWait, frame, exposed_from));
     if (there) taker.add(frame, exposed_from, clock.now());
     if (auto fine = taker.check(clock.now()); !fine) {
-      if (fine.error().code != ErrorCode::kDevice) (void)rig.halt();  // a lost unit is not asked
+      if (fine.error().code != ErrorCode::kDevice) (void)rig.halt();  // not sent to a lost unit
       return std::move(fine).error();
     }
   }
@@ -187,7 +187,7 @@ Result<SweepReport> run_sweep(SweepRig& rig, const SweepOptions& options,
       auto plates = options.bracket(taker.frames().back().plate);
       if (!plates) return at_view(std::move(plates).error(), options, view);
       bracket = *std::move(plates);
-      report.stopped = stop;  // then its plates may be too few: the view is taken again
+      report.stopped = stop;  // there may be too few plates: the view is taken again
       if (report.stopped) break;
     }
     if (auto saved = options.save(taker.frames(), taker.angles(), bracket); !saved)

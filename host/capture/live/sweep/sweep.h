@@ -17,7 +17,7 @@
 
 namespace mixrig::live {
 
-/// What a sweep needs of a rig. For one thread.
+/// Interface of a rig for a sweep. For one thread.
 class SweepRig {
  public:
   virtual ~SweepRig() = default;
@@ -27,39 +27,41 @@ class SweepRig {
   virtual Result<void> move_to(device::PanTiltAngles target) = 0;
   /// Stops both axes.
   virtual Result<void> halt() = 0;
-  /// The next frames of one moment with the head's angle at mid-exposure; false when none came in
-  /// time. `exposed_from` becomes the start of the earliest exposure among them. Errors: kDevice
-  /// when there will be no more.
+  /// Reads the next frames of one moment with the head's angle at mid-exposure; false if none came
+  /// in time. `exposed_from` becomes the start of the earliest exposure among them. Errors: kDevice
+  /// if no more can come.
   virtual Result<bool> next(Duration timeout, capture::Capture& frame, HostTime& exposed_from) = 0;
 };
 
 struct SweepSettings {
   int view_frames = 4;
-  double rest_px = 0.1;                             ///< smaller shifts of the picture do not count
-  Duration move_timeout = std::chrono::seconds(5);  ///< without coming nearer to the view
-  Duration settle_timeout = std::chrono::seconds(15);  ///< from the arrival to the last frame
-  Duration frame_timeout = std::chrono::seconds(5);    ///< without frames
-  Duration angle_timeout = std::chrono::seconds(3);    ///< with frames, but no angle of the unit
+  double rest_px = 0.1;                             ///< smaller shifts of the picture are ignored
+  Duration move_timeout = std::chrono::seconds(5);  ///< time without getting closer to the view
+  Duration settle_timeout = std::chrono::seconds(15);  ///< time from the arrival to the last frame
+  Duration frame_timeout = std::chrono::seconds(5);    ///< time without frames
+  /// Time with frames, but no angle of the unit.
+  Duration angle_timeout = std::chrono::seconds(3);
 };
 
 /// Waits for one view and collects its frames. A frame counts if its exposure began after the unit
-/// was within half a step of the view by its own word; the first one that counts is the reference.
-/// A later one that is shifted against it (colour or depth, shift_between) takes its place, and
-/// collecting starts again. The view is taken when as many frames as wanted, at least two, agree.
-/// Its memory is reused from view to view. Not thread-safe.
+/// was within half a step of the view by its reported angle; the first frame that counts is the
+/// reference. A later one that is shifted against it (colour or depth, shift_between) takes its
+/// place, and collecting starts again. The view is taken when as many frames as wanted, at least
+/// two, agree. Its memory is reused from view to view. Not thread-safe.
 class ViewTaker {
  public:
   ViewTaker(const SweepSettings& settings, device::PanTiltAngles step);
 
   void begin(device::PanTiltAngles target, HostTime now);
-  /// Swaps the pictures of a frame that counts out of `frame`.
+  /// Takes a frame; if it counts, swaps its pictures out of `frame`.
   void add(capture::Capture& frame, HostTime exposed_from, HostTime now);
   bool taken() const { return count_ >= wanted_; }
-  /// Errors: kTimeout, which one by name; kDevice for a unit that gives no angles.
+  /// Checks the time limits. Errors: kTimeout, naming the limit; kDevice for a unit that gives no
+  /// angles.
   Result<void> check(HostTime now) const;
-  /// Of a taken view: view_frames of them.
+  /// Returns the view_frames frames of a taken view.
   std::span<const capture::Capture> frames() const;
-  /// By the unit, while the frames were taken.
+  /// Returns the angles that the unit reported while the frames were taken.
   device::PanTiltAngles angles() const { return *frames_[0].pan_tilt; }
   int restarts() const { return restarts_; }  ///< since construction
 
@@ -76,37 +78,39 @@ class ViewTaker {
   std::size_t count_ = 0;
   Image<float> reference_, luminance_;
   device::PanTiltAngles target_;
-  std::optional<double> first_away_rad_, away_rad_;  ///< from the view: at first, and least since
-  HostTime nearer_{}, framed_{}, angled_{};          ///< when it last came nearer, ...
-  std::optional<HostTime> arrived_, stands_;         ///< first; since when without a break
-  PictureShift color_shift_, depth_shift_;           ///< of the last frame that did not agree
+  /// Angle to the view: at first, and the least since.
+  std::optional<double> first_away_rad_, away_rad_;
+  /// Last time nearer to the view, with a frame, with an angle.
+  HostTime nearer_{}, framed_{}, angled_{};
+  std::optional<HostTime> arrived_, stands_;  ///< first arrival; begin of the present stand
+  PictureShift color_shift_, depth_shift_;    ///< shift of the last frame that did not agree
   int restarts_ = 0;
 };
 
 struct SweepOptions {
   SweepSettings settings;
   std::vector<device::PanTiltAngles> views;
-  std::size_t first = 0;  ///< views before it are there already
-  /// Called after each view with the number that is there and the time that is left.
+  std::size_t first = 0;  ///< earlier views exist already
+  /// Called after each view with the number of finished views and the estimated time left.
   std::function<void(std::size_t done, Duration left)> progress;
-  /// Takes a view; what it returns ends the sweep where it is an error.
+  /// Stores a view; an error ends the sweep.
   std::function<Result<void>(std::span<const capture::Capture> frames, device::PanTiltAngles at,
                              std::span<const capture::BracketPlate> bracket)>
       save;
-  /// Plates of a view that was taken, at other exposures, while the unit stands; may be empty.
+  /// Takes plates of the last view at other exposures while the unit stands; may be empty.
   std::function<Result<std::vector<capture::BracketPlate>>(const Image<Rgb8>& plate)> bracket;
 };
 
 struct SweepReport {
-  std::size_t views = 0;  ///< that are there
-  int bracketed = 0;      ///< of those taken now, with plates at other exposures
-  int restarts = 0;       ///< frames that were shifted against those before them
+  std::size_t views = 0;  ///< number of finished views
+  int bracketed = 0;      ///< views taken now with plates at other exposures
+  int restarts = 0;       ///< number of frames that were shifted against earlier ones
   bool stopped = false;
 };
 
-/// Takes the views that are not there yet, one after another, until `stop` is set; then, and after
-/// an error that is not the unit's, the unit is halted. Errors: those of the rig, of
-/// ViewTaker::check, of `bracket` and of `save`, with the number and angles of the view.
+/// Takes the missing views one after another until `stop` is set. Then, and after an error that is
+/// not the unit's, it halts the unit. Errors: those of the rig, of ViewTaker::check, of `bracket`
+/// and of `save`, with the number and angles of the view.
 Result<SweepReport> run_sweep(SweepRig& rig, const SweepOptions& options,
                               const std::atomic<bool>& stop, Clock& clock);
 

@@ -6,7 +6,7 @@
 namespace mixrig::live {
 namespace {
 
-constexpr double kUnknownRate_hz = 10;  ///< slower than this nothing is assumed to be
+constexpr double kUnknownRate_hz = 10;  ///< lowest rate that is assumed for an unknown one
 
 Duration period_of(const RigConfig& config, const CameraConfig& camera,
                    const device::CameraInfo& info) {

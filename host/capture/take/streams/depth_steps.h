@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth and amplitude as 16-bit steps. Private to this module.
+// Converts depth and amplitude to and from 16-bit steps. Private to this module.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,10 @@
 
 namespace mixrig::take {
 
-/// What a 16-bit step of a stream means: value = offset + step * unit.
+/// Meaning of the 16-bit steps of a stream: value = offset + step * unit.
 struct Steps {
   double unit = 1, offset = 0;
-  int unknown = 0;  ///< step that means no value, which is 0
+  int unknown = 0;  ///< step without a value; read as 0
 };
 
 inline Steps depth_steps(const TakeInfo& info) {
@@ -23,10 +23,10 @@ inline Steps depth_steps(const capture::SecondDepthCamera& camera) {
   return {camera.unit_m, camera.offset_m, camera.unknown};
 }
 
-/// Floats in steps, rounded; not finite, not positive or out of range becomes unknown. Reuses the
-/// memory of `out`.
+/// Converts floats to steps, rounded; values that are not finite, not positive or out of range
+/// become unknown. Reuses the memory of `out`.
 void to_steps(const Image<float>& image, const Steps& steps, Image<std::uint16_t>& out);
-/// The inverse. Reuses the memory of `out`.
+/// Converts steps to floats. Reuses the memory of `out`.
 void from_steps(const Image<std::uint16_t>& image, const Steps& steps, Image<float>& out);
 
 }  // namespace mixrig::take

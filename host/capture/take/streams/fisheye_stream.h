@@ -16,15 +16,15 @@ namespace mixrig::take {
 inline constexpr const char* kFisheyeTable = "fisheye.csv";
 inline constexpr const char* kFisheyeHeader = "picture,frame,counter,mid_exposure_ns\n";
 
-/// A row of fisheye.csv. Row k (from 0) is that of picture k of the stream.
+/// A row of fisheye.csv. Row k (from 0) describes picture k of the stream.
 struct FisheyeStamp {
-  int frame = 0;              ///< of the take: the first capture that holds the picture, from 1
-  std::uint64_t counter = 0;  ///< the camera's own
-  HostTime mid_exposure{};    ///< on the clock of the plate's
+  int frame = 0;              ///< number of the first capture with the picture, from 1
+  std::uint64_t counter = 0;  ///< the camera's counter
+  HostTime mid_exposure{};    ///< on the clock of the plates
 };
 
-/// Rows "picture,frame,counter,mid_exposure_ns" after a header line. Pictures count from 1, frames
-/// and times grow. Pure. Errors: kFormat (name:line: ...).
+/// Parses rows "picture,frame,counter,mid_exposure_ns" after a header line. Pictures count from 1,
+/// frames and times grow. Pure. Errors: kFormat (name:line: ...).
 Result<std::vector<FisheyeStamp>> parse_fisheye_table(std::string_view text,
                                                       const std::string& name);
 std::string fisheye_row(int picture, const FisheyeStamp& stamp);
@@ -42,7 +42,7 @@ class FisheyeStream {
   /// Errors: those of the stream; kData for a picture of another size than the first one that was
   /// read.
   Result<void> read(capture::Capture& capture);
-  /// As the stream says, else by its stamps; 0 where neither tells.
+  /// Returns the rate of the stream, else one by its stamps; 0 if neither gives it.
   double rate_hz() const { return rate_hz_; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// GStreamer pipelines as owned handles with one-line errors.
+// Runs GStreamer pipelines.
 #include "host/capture/take/streams/gst_pipeline.h"
 
 #include <algorithm>

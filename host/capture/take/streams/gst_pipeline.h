@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// GStreamer pipelines as owned handles with one-line errors.
+// Owns GStreamer pipelines and reports their errors in one line.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,8 @@ namespace mixrig::take {
 struct GstNeed {
   const char *element, *package;
 };
-/// Errors: kUnsupported, naming the packages that are missing for `what`.
+/// Checks that GStreamer has these elements. Errors: kUnsupported, naming the packages that are
+/// missing for `what`.
 Result<void> check_elements(const std::vector<GstNeed>& needs, const std::string& what);
 
 struct GstUnref {
@@ -28,9 +29,11 @@ using GstElementPtr = std::unique_ptr<GstElement, GstUnref>;
 /// Builds a pipeline from a fixed description; stops it and frees it at the end.
 class Pipeline {
  public:
-  /// `name` is that of what it writes, for errors. Errors: kUnsupported with GStreamer's words.
+  /// Makes a pipeline. `name` names its output in errors. Errors: kUnsupported with GStreamer's
+  /// words.
   static Result<Pipeline> launch(const std::string& description, std::string name);
-  /// `file` goes to the element named "file". Errors: kUnsupported where a plug-in is missing.
+  /// Makes a pipeline; `file` is set on the element named "file". Errors: kUnsupported if a plug-in
+  /// is missing.
   static Result<Pipeline> create(const std::string& description, const std::filesystem::path& file);
   Pipeline(Pipeline&&) noexcept = default;
   Pipeline& operator=(Pipeline&& other) noexcept;
@@ -38,9 +41,9 @@ class Pipeline {
 
   GstElement* get() const { return pipeline_.get(); }
   GstElement* element(const char* name) const;
-  /// Errors: kIo with the pipeline's own message.
+  /// Starts the pipeline. Errors: kIo with the pipeline's own message.
   Result<void> play();
-  /// The last error that the pipeline posted, as "WHAT: WHY".
+  /// Returns the last error that the pipeline posted, as "WHAT: WHY".
   Error error(ErrorCode code, const std::string& what) const;
   bool has_failed() const;
   /// Waits for a message. Errors: kFormat "cannot VERB FILE" after an error of the pipeline or ten

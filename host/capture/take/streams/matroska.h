@@ -23,13 +23,13 @@ Result<std::unique_ptr<PictureStream>> open_matroska(const std::filesystem::path
 /// Writes one stream. Frames of one size. Not thread-safe.
 class MatroskaWriter {
  public:
-  /// Errors: kUnsupported, kIo.
+  /// Creates the file. Errors: kUnsupported, kIo.
   static Result<MatroskaWriter> create(const std::filesystem::path& path, PixelKind kind, Size size,
                                        double rate_hz);
-  /// Errors: kData for another size, kIo.
+  /// Appends a frame. Errors: kData for another size, kIo.
   Result<void> write(ImageView<const Rgb8> image);
   Result<void> write(ImageView<const std::uint16_t> image);
-  /// Errors: kIo. The file is complete only after this.
+  /// Completes the file; without it the file is incomplete. Errors: kIo.
   Result<void> finish();
 
  private:

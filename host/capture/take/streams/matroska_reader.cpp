@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading of Matroska streams, forwards or by seeking.
+// Reads Matroska streams, forwards or by seeking.
 #include <cmath>
 #include <cstring>
 
@@ -57,7 +57,7 @@ class MatroskaStream final : public PictureStream {
     return pipeline_.error(ErrorCode::kFormat, "cannot read '" + name(index) + "': " + why);
   }
 
-  /// The frame's number from its stamp: Matroska rounds stamps to milliseconds.
+  /// Returns the frame's number from its stamp: Matroska rounds stamps to milliseconds.
   int index_of(GstSample* sample) const {
     const GstClockTime pts = GST_BUFFER_PTS(gst_sample_get_buffer(sample));
     if (!GST_CLOCK_TIME_IS_VALID(pts)) return -1;
@@ -66,14 +66,15 @@ class MatroskaStream final : public PictureStream {
   }
 
   Result<void> seek(int index) {
-    // A quarter period after the stamp: stamps are rounded, and the frame before must have ended.
+    // It seeks to a quarter period after the stamp, since stamps are rounded and the previous frame
+    // must have ended.
     const auto position = static_cast<gint64>((index + 0.25) / rate_hz_ * GST_SECOND);
     const auto flags = static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | GST_SEEK_FLAG_ACCURATE);
     if (gst_element_seek_simple(pipeline_.get(), GST_FORMAT_TIME, flags, position) != 0) return {};
     return failure(index, "cannot seek: the file may be cut short");
   }
 
-  /// The next frame; null at the end, after an error, or when nothing comes for too long.
+  /// Returns the next frame; null at the end, after an error, or if nothing comes for too long.
   SamplePtr next_sample() {
     constexpr GstClockTime kStep =
         20 * GST_MSECOND;  // an error of the demuxer does not end a sink's wait
@@ -89,7 +90,7 @@ class MatroskaStream final : public PictureStream {
     if (index < 0 || index >= count_)
       return Error{ErrorCode::kData,
                    "'" + path_.string() + "' has no frame " + std::to_string(index + 1)};
-    constexpr int kSkipAhead = 8;  // up to that many, decoding them is faster than seeking
+    constexpr int kSkipAhead = 8;  // decoding up to so many frames is faster than seeking
     if (index < next_ || index > next_ + kSkipAhead) MIXRIG_TRY(seek(index));
     for (int guard = 0; guard <= kSkipAhead + 2; ++guard) {
       SamplePtr sample = next_sample();

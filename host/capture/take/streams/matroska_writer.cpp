@@ -12,7 +12,8 @@ namespace mixrig::take {
 
 namespace {
 
-/// As long as frames are taken: a busy machine may need longer for them than wait_for() waits.
+/// Waits as long as frames are being taken: a busy machine may need longer for them than wait_for()
+/// waits.
 void wait_while_taken(GstElement* source, const Pipeline& pipeline) {
   constexpr auto kMostStill = std::chrono::seconds(10);
   guint64 left = gst_app_src_get_current_level_bytes(GST_APP_SRC(source));

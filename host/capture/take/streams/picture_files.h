@@ -13,7 +13,7 @@ namespace mixrig::take {
 /// printf.
 class NumberedName {
  public:
-  /// Errors: kFormat unless there is exactly one %d or %0Nd, N at most 9.
+  /// Parses a pattern. Errors: kFormat unless there is exactly one %d or %0Nd, N at most 9.
   static Result<NumberedName> parse(const std::string& pattern);
   std::string with(int number) const;
 
@@ -22,8 +22,8 @@ class NumberedName {
   std::size_t digits_ = 0;
 };
 
-/// Picture files, one per index. PNG and JPEG by content; .exr by name, its channel Z or its only
-/// one.
+/// Picture files, one per index. PNG and JPEG are told apart by content; of an .exr file the
+/// channel Z or the only one is read.
 class PictureFiles final : public PictureStream {
  public:
   using PathOf = std::function<std::filesystem::path(int index)>;

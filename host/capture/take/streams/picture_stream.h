@@ -16,10 +16,10 @@ class PictureStream {
   virtual ~PictureStream() = default;
   /// Name of picture `index` for error messages.
   virtual std::string name(int index) const = 0;
-  /// Errors: kNotFound, kFormat, kData, naming the file.
+  /// Reads picture `index`. Errors: kNotFound, kFormat, kData, naming the file.
   virtual Result<void> read(int index, Image<Rgb8>& image) = 0;
   virtual Result<void> read(int index, Image<std::uint16_t>& image) = 0;
-  /// True where the stream holds metres, not steps: then only this read() may be called.
+  /// True if the stream holds metres, not steps: then only this read() may be called.
   virtual bool holds_float() const { return false; }
   virtual Result<void> read(int index, Image<float>& image) = 0;
 };

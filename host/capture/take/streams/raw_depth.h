@@ -18,19 +18,19 @@ namespace mixrig::take {
 
 inline constexpr const char* kRawKinect2 = "kinect2";
 inline constexpr const char* kRawPattern = "raw/%06d.bin";
-/// Beside the frames.
+/// Files of the take's raw stream with the tables of the device.
 inline constexpr const char* kRawOffsets = "phase_offsets.bin";
 inline constexpr const char* kRawInfrared = "infrared.bin";
 
 /// Reads frames one by one. Not thread-safe.
 class RawDepth {
  public:
-  /// Errors: kNotFound, kIo; kData for tables that are not the device's.
+  /// Opens the stream. Errors: kNotFound, kIo; kData for tables that are not the device's.
   static Result<RawDepth> open(const std::filesystem::path& root, const StreamInfo& stream);
 
   std::string name(int index) const { return path_of_(index).string(); }
-  /// Distances along the ray, 0 where a pixel is not good, and amplitudes. Errors: those of reading
-  /// the file; kData unless it holds one whole frame.
+  /// Reads distances along the ray, 0 where a pixel is not good, and amplitudes. Errors: those of
+  /// reading the file; kData unless it holds one whole frame.
   Result<void> read(int index, Image<float>& distance_m, Image<float>& amplitude);
 
  private:

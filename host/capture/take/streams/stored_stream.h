@@ -10,7 +10,7 @@
 
 namespace mixrig::take {
 
-/// Numbered pictures or a Matroska file below `root`; not a list. Errors: kNotFound, kFormat,
+/// Opens numbered pictures or a Matroska file below `root`; not a list. Errors: kNotFound, kFormat,
 /// kUnsupported.
 Result<std::unique_ptr<PictureStream>> open_stored(const std::filesystem::path& root,
                                                    const StreamInfo& stream, PixelKind kind);

@@ -22,15 +22,16 @@ struct ConstellationMatch {
   std::vector<int> marker_of_point;  ///< per observed point; -1: not of this body
 };
 
-/// The labelling that explains most observed points as markers, among missing and foreign ones.
-/// Covariance: pose_error() of world_from_body; residuals: distance of each observed point to
-/// its marker in m, infinity for foreign points; inliers: indices of observed points.
+/// Finds the labelling that explains most observed points as markers; markers may be missing, and
+/// points may be foreign.
+/// Covariance: pose_error() of world_from_body; residuals: distance of each observed point to its
+/// marker in m, infinity for foreign points; inliers: indices of observed points.
 /// Degenerate: too few markers seen, or a second labelling fits as well (symmetry).
 Estimate<ConstellationMatch> match_constellation(std::span<const Eigen::Vector3d> markers_m,
                                                  std::span<const Eigen::Vector3d> observed_m,
                                                  const ConstellationOptions& options = {});
 
-/// Whether a constellation has no rotational symmetry within noise `sigma_m`: ok, or degenerate
+/// Checks that a constellation has no rotational symmetry within noise `sigma_m`: ok, or degenerate
 /// naming the markers that can be confused. Call it when a constellation is defined.
 Verdict check_constellation(std::span<const Eigen::Vector3d> markers_m, double sigma_m);
 

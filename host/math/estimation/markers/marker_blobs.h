@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Centres of bright markers in an infrared picture (Cortes Reina 2015, section 2.4.1).
+// Finds the centres of bright markers in an infrared picture (Cortes Reina 2015, section 2.4.1).
 #pragma once
 
 #include <cstdint>
@@ -24,10 +24,10 @@ struct MarkerBlob {
   double peak = 0;  ///< greatest grey value; 255 means saturated, which biases the centre
 };
 
-/// Connected bright regions (8-neighbours) with their centres of mass, weights being grey value
-/// minus threshold. Covariance 2x2 of the centre in px^2. A blob that is cut by the border, too
-/// small, too large or too long is returned as degenerate, with the reason.
-/// Bias of the centre by radius and phase: docs/results/estimation.md. In scan order.
+/// Finds connected bright regions (8-neighbours), in scan order. A centre is the centre of mass,
+/// weights being grey value minus threshold; its bias by radius and phase:
+/// docs/results/estimation.md. Covariance 2x2 of the centre in px^2. A blob that is cut by the
+/// border, too small, too large or too long is returned as degenerate, with the reason.
 std::vector<Estimate<MarkerBlob>> find_marker_blobs(ImageView<const std::uint8_t> picture,
                                                     const BlobOptions& options = {});
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A measured pixel as a direction with its uncertainty. Triangulation and PnP use these only, so
-// that they work alike for pinhole and fisheye lenses, beyond 180 degrees too.
+// A measured pixel as a direction with its uncertainty. Triangulation and PnP use only bearings, so
+// that they work for pinhole and fisheye lenses, also beyond 180 degrees.
 #pragma once
 
 #include <optional>
@@ -17,13 +17,14 @@ namespace mixrig::estimation {
 struct Bearing {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
   Eigen::Matrix<double, 2, 3> whitener = Eigen::Matrix<double, 2, 3>::Zero();
-  /// Normal of the plane in which a pinhole measures, camera axes; zero: on the sphere.
+  /// Normal of the plane in which a pinhole measures, camera axes; zero: measured on the unit
+  /// sphere.
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
 
-/// Whitened error of a point in camera axes: with a normal exactly that of an ideal pinhole's
-/// pixel. Points near the plane's horizon or behind the camera are compared on the sphere, where
-/// they are never taken for visible.
+/// Returns the whitened error of a point in camera axes. With a normal it is exactly that of an
+/// ideal pinhole's pixel. Points near the plane's horizon or behind the camera are compared on the
+/// sphere, where they never count as visible.
 template <typename T>
 Eigen::Matrix<T, 2, 1> bearing_error(const Bearing& bearing, const Eigen::Matrix<T, 3, 1>& p) {
   const T length = p.norm();

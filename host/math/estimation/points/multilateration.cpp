@@ -16,10 +16,11 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Points = std::span<const Vector3d>;
 
-/// A position, where it was linearised, and the other side of the centres' plane.
+/// A fitted position with its information, and the solution on the other side of the centres'
+/// plane.
 struct RangeFix {
   Vector3d position;
-  Matrix3d information;  // of unit weight
+  Matrix3d information;  // for unit weight
   double cost;           // sum of squared range residuals, m^2
   std::optional<Vector3d> mirror;
   double mirror_cost = 0;

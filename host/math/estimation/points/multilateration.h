@@ -14,7 +14,7 @@ struct MultilaterationOptions {
   /// Standard deviation of a range, m. If it is given, outliers are searched for too; if not, it
   /// is estimated from the residuals.
   std::optional<double> sigma_m;
-  /// Roughly where the point is: selects one of the two sides of (nearly) coplanar centres.
+  /// Approximate position of the point: selects one of the two sides of (nearly) coplanar centres.
   std::optional<Eigen::Vector3d> near_m;
 };
 
@@ -27,8 +27,7 @@ Estimate<Eigen::Vector3d> multilaterate(std::span<const Eigen::Vector3d> centres
                                         const MultilaterationOptions& options = {});
 
 /// The linear solution of Cortes Reina 2015, eq. 86 to 89: the equation of sphere `reference` is
-/// subtracted
-/// from all others. Kept to reproduce published figures; it weights the reference's error n
+/// subtracted from all others. Reproduces published figures; it weights the reference's error n
 /// times. Errors: kData where the system is singular.
 Result<Eigen::Vector3d> multilaterate_linear(std::span<const Eigen::Vector3d> centres_m,
                                              std::span<const double> ranges_m, int reference);

@@ -50,7 +50,7 @@ double distance_m(const PlaneMoments& moments, const Vector3d& p) {
   return moments.fit.plane.normal.dot(p - moments.fit.centroid_m);
 }
 
-/// Of (tilt to tangent 0, tilt to tangent 1, offset at the centroid).
+/// Returns the information of (tilt to tangent 0, tilt to tangent 1, offset at the centroid).
 Eigen::Matrix3d information_of(const PlaneMoments& moments, double sigma_m) {
   // Perturbation of an eigenvector: the part of the spread that is noise holds no information.
   const double noise = sigma_m * sigma_m;

@@ -146,7 +146,7 @@ Estimate<Similarity> fit(Points a, Points b, const RigidFitOptions& options, boo
   };
   auto found = fit_with_consensus<Solution>({n, 3, 3, parameters}, options.sigma_m.has_value(),
                                             least_squares, sample, cost);
-  // Where the shape of the set is the cause, say so instead of "contradiction".
+  // If the shape of the set is the cause, the reason names it instead of a contradiction.
   std::vector<int> all(n);
   std::iota(all.begin(), all.end(), 0);
   if (!found.model) {

@@ -36,12 +36,13 @@ Estimate<geometry::Pose> rigid_fit(std::span<const Eigen::Vector3d> a_m,
                                    std::span<const Eigen::Vector3d> b_m,
                                    const RigidFitOptions& options = {});
 
-/// The same with a common scale; covariance 7x7, the last parameter is log(scale).
+/// Does what rigid_fit() does, with a common scale; covariance 7x7, the last parameter is
+/// log(scale).
 Estimate<Similarity> similarity_fit(std::span<const Eigen::Vector3d> a_m,
                                     std::span<const Eigen::Vector3d> b_m,
                                     const RigidFitOptions& options = {});
 
-/// The least-squares pose alone of the points named by `indices`, without covariance and verdict
+/// Returns the least-squares pose of the points named by `indices`, without covariance and verdict
 /// (inner step of other estimators). nullopt for fewer than 3 points or a spread of zero.
 std::optional<geometry::Pose> align_points(std::span<const Eigen::Vector3d> a_m,
                                            std::span<const Eigen::Vector3d> b_m,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a camera sits on a moving hand, from poses of both.
+// Finds the pose of a camera on a moving hand from poses of both (hand-eye calibration).
 #pragma once
 
 #include <span>
@@ -21,9 +21,10 @@ struct HandEyeOptions {
   double sigma_m = 1e-3;
 };
 
-/// Rotation from corresponding rotation axes (Park and Martin 1994), translation linear, then
-/// all twelve parameters by least squares. Covariance 12x12: pose_error() of hand_from_eye, then
-/// of world_from_target. Residuals: length of the whitened error per view, in sigmas.
+/// Solves the rotation from corresponding rotation axes (Park and Martin 1994), then the
+/// translation linearly, then all twelve parameters by least squares. Covariance 12x12:
+/// pose_error() of hand_from_eye, then of world_from_target. Residuals: length of the whitened
+/// error per view, in sigmas.
 /// Degenerate: fewer than 3 views, no rotation, all rotation axes parallel, contradicting views.
 Estimate<HandEye> solve_hand_eye(std::span<const geometry::Pose> world_from_hand,
                                  std::span<const geometry::Pose> eye_from_target,

@@ -14,21 +14,22 @@ namespace mixrig::estimation {
 /// z, the origin where the pan axis is closest to the tilt axis. Frame head turns with both axes;
 /// at angles 0 it is parallel to base (except for the skew), its origin on the tilt axis.
 struct PanTiltChain {
-  double skew_rad = 0;              ///< of the tilt axis towards z: 0 for perpendicular axes
-  double offset_m = 0;              ///< of the tilt axis along y at pan 0: 0 if the axes intersect
+  double skew_rad = 0;  ///< tilt axis towards z; 0 for perpendicular axes
+  /// Offset of the tilt axis along y at pan 0; 0 if the axes intersect.
+  double offset_m = 0;
   double pan_scale = 1;             ///< true angle over the encoder's angle
-  double tilt_scale = 1;            ///< the same
+  double tilt_scale = 1;            ///< true angle over the encoder's angle
   geometry::Pose head_from_camera;  ///< its translation is the tool centre point
 };
 
-/// Where the head and the camera are at encoder angles.
+/// Poses of head and camera at angles of the encoders.
 geometry::Pose base_from_head(const PanTiltChain& chain, double pan_rad, double tilt_rad);
 geometry::Pose base_from_camera(const PanTiltChain& chain, double pan_rad, double tilt_rad);
 
-/// The target seen at one position of the unit. `covariance` as solve_pnp() gives it: of
-/// pose_error(camera_from_target), 6x6, positive definite.
+/// The target seen at one position of the unit. `covariance` is that of
+/// pose_error(camera_from_target), 6x6, positive definite, as solve_pnp() returns it.
 struct PanTiltView {
-  double pan_rad = 0, tilt_rad = 0;  ///< of the encoders
+  double pan_rad = 0, tilt_rad = 0;  ///< angles of the encoders
   geometry::Pose camera_from_target;
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
@@ -38,11 +39,11 @@ struct PanTiltCalibration {
   geometry::Pose base_from_target;
 };
 
-/// Least squares of the whitened pose errors, from a hand-eye solution with ideal axes.
+/// Minimises the whitened pose errors, starting from a hand-eye solution with ideal axes.
 /// `angle_sigma_rad`: repeatability of each axis, added to the noise of the views, >= 0.
-/// Covariance 16x16: skew, offset, pan scale, tilt scale, pose_error() of head_from_camera, then
-/// of base_from_target. Residuals: length of the whitened error per view, in sigmas. Degenerate:
-/// fewer than 4 views, an axis that did not turn, contradicting views, broken input.
+/// Covariance 16x16: skew, offset, pan scale, tilt scale, pose_error() of head_from_camera, then of
+/// base_from_target. Residuals: length of the whitened error per view, in sigmas. Degenerate: fewer
+/// than 4 views, an axis that did not turn, contradicting views, broken input.
 Estimate<PanTiltCalibration> calibrate_pan_tilt(std::span<const PanTiltView> views,
                                                 double angle_sigma_rad = 0);
 

@@ -26,7 +26,8 @@ PoseT<T> pose_cast(const geometry::Pose& pose) {
   return {pose.rotation.cast<T>(), pose.translation_m.cast<T>()};
 }
 
-/// exp(x[0..2]) * rotation, translation + scale_m * x[3..5].
+/// Returns a pose moved by x, with derivatives: exp(x[0..2]) * rotation, translation + scale_m *
+/// x[3..5].
 template <typename T>
 PoseT<T> perturbed(const geometry::Pose& pose, const T* x, double scale_m) {
   T q[4];
@@ -36,15 +37,15 @@ PoseT<T> perturbed(const geometry::Pose& pose, const T* x, double scale_m) {
           pose.translation_m.cast<T>() + scale_m * step};
 }
 
-/// The same for good.
+/// Returns a pose moved by x as perturbed() moves it, in doubles.
 inline geometry::Pose moved(const geometry::Pose& pose, const Eigen::Matrix<double, 6, 1>& x,
                             double scale_m) {
   return {(rotation_exp(x.head<3>()) * pose.rotation).normalized(),
           pose.translation_m + scale_m * x.tail<3>()};
 }
 
-/// pose_error() of the eye_from_target that follows from two poses in a common base, against the
-/// measured one.
+/// Returns pose_error() of the measured eye_from_target against the one that follows from two poses
+/// in a common base.
 template <typename T>
 Eigen::Matrix<T, 6, 1> chain_error(const PoseT<T>& base_from_eye, const PoseT<T>& base_from_target,
                                    const geometry::Pose& eye_from_target) {
