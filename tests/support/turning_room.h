@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a camera on a pan-tilt head sees of a room with one bright bar: drawn from the head's angle,
-// apart from the pipeline's chain and cameras.
+// What a camera on a pan-tilt head sees of a room with one bright bar, computed from the head's
+// angle without the pipeline's chain and cameras.
 #pragma once
 
 #include <algorithm>
