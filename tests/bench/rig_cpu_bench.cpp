@@ -41,7 +41,8 @@ double process_cpu_s() {
   return s(usage.ru_utime) + s(usage.ru_stime);
 }
 
-/// The work of the V4L2 driver without the kernel: wake up, take a buffer, copy, publish.
+/// Does the work of the V4L2 driver without the kernel: wakes up, takes a buffer, copies,
+/// publishes.
 class CopyingCamera final : public device::Camera {
  public:
   CopyingCamera(double rate_hz, Clock& clock)
@@ -123,7 +124,7 @@ class Emulator {
   double cpu_s() const { return cpu_s_; }
 
  private:
-  /// Payloads of eight frames go round; only the headers are made anew.
+  /// Sends one of eight prepared frames in turn; only the headers are new.
   static void send(test::FakeTofDevice& tof, const device::TofDescription& description,
                    std::uint32_t counter,
                    const std::vector<std::vector<std::vector<std::uint8_t>>>& frames) {
