@@ -133,7 +133,7 @@ StudioOptions with_mirror(RigPreset rig) {
 
 constexpr double kMirrorX_m = 5.263 - 0.025;
 
-/// Where a pixel's ray meets the upright plane at x_m.
+/// Point at which a pixel's ray meets the upright plane at x_m.
 Eigen::Vector3d meets(const StudioInfo& info, const geometry::Pose& world_from_target, int x, int y,
                       double x_m) {
   const Eigen::Vector3d ray =
@@ -171,7 +171,7 @@ TEST(Reflection, the_mirror_shows_the_person_where_its_mirror_image_is) {
   EXPECT_GT(changed, 0.8 * inside);
 }
 
-// By way of the mirror the wall behind the camera is as far as its mirror image.
+// Through the mirror, the wall behind the camera is as far as its mirror image.
 TEST(Reflection, the_depth_camera_measures_the_way_over_the_mirror) {
   auto studio = Studio::create(with_mirror(RigPreset::kKinect2));
   ASSERT_TRUE(studio);
