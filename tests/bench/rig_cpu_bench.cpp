@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a live rig costs the host, without decoding and encoding: three cameras of 1280x1024 (YUYV
-// at 25, 25 and 10 Hz) whose pictures are copied out of a driver's buffer, a ToF camera of 640x480
-// (distance and amplitude, checksummed packets) at 25 Hz, a master of 100 Hz, pairing into sets.
-// The emulated devices' own time is taken off. Prints percent of one core.
-//   rig_cpu_bench [SECONDS]
+// Measures the processor time that a live rig costs the host, without decoding and encoding: three
+// cameras of 1280x1024 (YUYV at 25, 25 and 10 Hz) whose pictures are copied out of a driver's
+// buffer, a ToF camera of 640x480 (distance and amplitude, checksummed packets) at 25 Hz, a master
+// of 100 Hz, pairing into sets. The emulated devices' own time is subtracted. Prints percent of one
+// core. usage: rig_cpu_bench [SECONDS]
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>

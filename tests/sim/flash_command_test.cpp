@@ -25,7 +25,7 @@ protocol::ImageHeader header_of(const Bytes& image) {
   return header;
 }
 
-/// The same program with another header, and hence another checksum.
+/// Copies the program with another header, and hence another checksum.
 Bytes with_header(void (*change)(protocol::ImageHeader&)) {
   Bytes image = image_bytes();
   protocol::ImageHeader header = header_of(image);

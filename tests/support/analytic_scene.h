@@ -40,13 +40,13 @@ struct Hit {
 Hit cast(const AnalyticScene& scene, const Eigen::Vector3d& origin,
          const Eigen::Vector3d& direction);
 
-/// What a colour camera sees (4 samples a pixel, sRGB, a little noise).
+/// Plate of a colour camera (4 samples per pixel, sRGB, a little noise).
 Image<Rgb8> render_plate(const AnalyticScene& scene, const Camera& camera, std::uint32_t seed);
 /// Exact z per pixel of an ideal camera, and where the person is (255).
 void render_truth(const AnalyticScene& scene, const Camera& camera, Image<float>& depth_m,
                   Image<std::uint8_t>& person);
-/// What a phase-measuring ToF camera sees: 4x4 phasors a pixel at 20 MHz, so that borders hold
-/// flying pixels, and noise that grows with z^2. z in metres.
+/// Depth picture of a phase-measuring ToF camera, z in metres: 4x4 phasors per pixel at 20 MHz, so
+/// that borders have flying pixels, and noise that grows with z^2.
 Image<float> render_tof(const AnalyticScene& scene, const Camera& camera, std::uint32_t seed,
                         double noise_at_3m_m);
 /// Whether the ToF camera sees the surface at each pixel of the target's ideal view.

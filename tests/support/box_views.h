@@ -39,7 +39,7 @@ inline geometry::Pose head_pose(double pan_rad, double tilt_rad) {
   return {head * Eigen::Quaterniond(camera), head * Eigen::Vector3d(0.05, 0.05, 0.04)};
 }
 
-/// What a view shows apart from the box.
+/// Noise and extra surfaces of a view of the box.
 struct BoxView {
   double noise_m = 0;
   double sheet_m = 0;     ///< distance of a sheet over the whole picture; 0: none

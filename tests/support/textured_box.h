@@ -95,7 +95,7 @@ class TexturedBox {
     return geometry::FisheyeModel({kPicture, kF_px, kF_px, 160.3, 127.1, {}});
   }
 
-  /// What the fisheye sees, with noise of `sigma` grey values of 255 drawn from `seed`; black more
+  /// Picture of the fisheye, with noise of `sigma` grey values of 255 drawn from `seed`; black more
   /// than 92 degrees off the axis.
   Image<Rgb8> picture(const geometry::Pose& room_from_camera, double sigma = 0,
                       unsigned seed = 1) const {

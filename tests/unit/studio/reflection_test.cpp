@@ -64,7 +64,8 @@ TEST(Bounce, light_by_way_of_the_floor_is_the_integral_over_it) {
     const Vec3 at(1e-3F, 0, static_cast<float>(z));
     const Bounce many = bounce_at(corner.reflector(), at, Vec3::UnitX(), 4096, false);
     const Bounce few = bounce_at(corner.reflector(), at, Vec3::UnitX(), 64, false);
-    // As many rays as in a take: the floor may be met by one ray and a half too many or too few.
+    // With as many rays as in a take, up to one and a half rays too many or too few may meet the
+    // floor.
     const Vec3 ray = albedo.cwiseProduct(Vec3(0.1F, 0.1F, 0.2F) + 0.16F * Vec3(3, 2, 1)) / 64;
     for (int c = 0; c < 3; ++c) {
       EXPECT_NEAR(many.real[c], expected[c], 0.03 * expected[c]) << z;
