@@ -15,7 +15,7 @@ endif()
 
 set(CMAKE_UNITY_BUILD ON)
 set(CMAKE_UNITY_BUILD_BATCH_SIZE 8)  # of tests
-# Files of a module in one compilation at most; fewer where it would take over a minute or 2.5 GB.
+# Largest number of files in one compilation; fewer where it would take over a minute or 2.5 GB.
 set(MIXRIG_BATCH_FILES 32)
 set(MIXRIG_BATCH_FILES_mixrig_estimation 8)
 set(MIXRIG_BATCH_FILES_mixrig_reconstruction 11)
@@ -73,7 +73,7 @@ set(MIXRIG_COMPILE_GROUPS hal host/capture host/room host/output host/run extras
 # Eigen's templates take longer in one unit than in two; hal/linux has the headers of many libraries.
 set(MIXRIG_COMPILED_ALONE hal/linux hal/fake host/room/scan host/room/lamps)
 
-# The group of the folder that is being read; empty where it has none.
+# Group of the folder that is being read; empty if it has none.
 function(mixrig_compile_group out)
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   cmake_path(GET folder PARENT_PATH floor)
@@ -84,7 +84,8 @@ function(mixrig_compile_group out)
   set(${out} ${group} PARENT_SCOPE)
 endfunction()
 
-# For mixrig_module(), whose MODULE_SOURCES, MODULE_LINKS and MODULE_PRIVATE_LINKS it reads.
+# Helper of mixrig_module(): it reads MODULE_SOURCES, MODULE_LINKS and MODULE_PRIVATE_LINKS of its
+# caller.
 function(mixrig_add_to_group group name tree)
   if(NOT TARGET ${group})
     add_library(${group} STATIC)

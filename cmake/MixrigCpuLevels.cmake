@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# The cpu back end for several levels of x86-64 in one program, which takes the best one when it
-# makes a compositor. Functions of shared headers (glm, the standard library, Image) are compiled
-# for each level too, and a linker keeps one copy of each: so all objects of a level become one, in
-# which every symbol but its door (back_end.h) is local.
+# Builds the cpu back end for several levels of x86-64 into one program, which selects the best
+# level when it makes a compositor. Functions of shared headers (glm, the standard library, Image)
+# are also compiled for each level, and a linker would keep one copy of each. Therefore all objects
+# of a level are merged into one, in which every symbol except its entry (back_end.h) is local.
 set(MIXRIG_CPU_LEVELS "OFF" CACHE BOOL "The cpu back end for x86-64-v3 and -v4 too, chosen when it runs")
 
 # mixrig_cpu_levels(TARGET SOURCES ...)
@@ -23,8 +23,8 @@ function(mixrig_cpu_levels target)
     target_include_directories(${objects} PRIVATE $<TARGET_PROPERTY:${target},INCLUDE_DIRECTORIES>)
     target_compile_options(${objects} PRIVATE $<TARGET_PROPERTY:${target},COMPILE_OPTIONS> -march=${level}
       -fno-gnu-unique)  # such symbols stay to be seen
-    # Setups and frames must lie in memory as in the rest of the program: Eigen aligns its types as the
-    # level likes it, 16 bytes at the lowest one (back_end.h checks).
+    # Setups and frames must have the same memory layout as in the rest of the program: Eigen's
+    # alignment depends on the level and is 16 bytes at the lowest one (back_end.h checks).
     target_compile_definitions(${objects} PRIVATE MIXRIG_CPU_BACK_END=mixrig_cpu_${id}
       EIGEN_MAX_ALIGN_BYTES=16)
     set(merged ${CMAKE_CURRENT_BINARY_DIR}/${id}.o)

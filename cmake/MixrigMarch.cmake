@@ -8,7 +8,7 @@ if(CMAKE_CROSSCOMPILING)
   return()
 endif()
 
-# What gcc and clang define for each level, highest first.
+# Macros that gcc and clang define for each level, highest first.
 set(MIXRIG_LEVELS x86-64-v4 x86-64-v3 x86-64-v2 x86-64)
 set(MIXRIG_MACROS_OF_x86-64-v4 __AVX512F__ __AVX512BW__ __AVX512CD__ __AVX512DQ__ __AVX512VL__)
 set(MIXRIG_MACROS_OF_x86-64-v3 __AVX2__ __BMI__ __BMI2__ __F16C__ __FMA__ __LZCNT__ __MOVBE__)
@@ -29,7 +29,7 @@ function(mixrig_level march out)
       "use native, x86-64-v3 or another value of -march\n${error}")
   endif()
   set(${out} "" PARENT_SCOPE)
-  # From the lowest up: a level has all that the levels below it have.
+  # Checks from the lowest level up: a level has everything that the levels below it have.
   set(levels ${MIXRIG_LEVELS})
   list(REVERSE levels)
   foreach(level IN LISTS levels)

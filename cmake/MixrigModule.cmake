@@ -54,7 +54,7 @@ function(mixrig_header_tree name out)
   set(${out} ${tree} PARENT_SCOPE)
 endfunction()
 
-# What the house tests and the table in ARCHITECTURE.md are held against: "folder|links|private links"
+# Module lists for the house tests and the table in ARCHITECTURE.md: "folder|links|private links"
 function(mixrig_note_module name links private_links)
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   set_property(GLOBAL APPEND_STRING PROPERTY MIXRIG_MODULE_LINES

@@ -46,14 +46,14 @@ if(MIXRIG_CCACHE)
   set(CMAKE_C_COMPILER_LAUNCHER ${MIXRIG_CCACHE})
 endif()
 
-# A faster linker, where there is one.
+# Uses a faster linker if there is one.
 find_program(MIXRIG_LD NAMES ld.mold ld.lld)
 if(MIXRIG_LD AND NOT CMAKE_CROSSCOMPILING)
   string(REGEX REPLACE ".*/ld\\." "" linker ${MIXRIG_LD})
   add_link_options(-fuse-ld=${linker})
 endif()
 
-# Shared libraries that hold Eigen's functions too, for another processor, keep their own.
+# Shared libraries that contain Eigen's functions too, for another processor, keep their own copies.
 if(NOT CMAKE_CROSSCOMPILING)
   add_link_options(-Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/keep_eigen_inside.map)
 endif()
@@ -61,8 +61,8 @@ endif()
 add_library(mixrig_options INTERFACE)
 target_compile_options(mixrig_options INTERFACE
   -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -fno-math-errno -fno-trapping-math
-  # g++ 12 sees ghosts in its own AVX-512 headers and in std::string (GCC bug 105651); which ones
-  # depends on the processor that the build is for. clang-tidy looks for the real ones.
+  # g++ 12 gives false warnings in its own AVX-512 headers and in std::string (GCC bug 105651);
+  # which ones depends on the processor that the build is for. clang-tidy looks for the real ones.
   $<$<CXX_COMPILER_ID:GNU>:-Wno-uninitialized>
   $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>
   $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>
@@ -72,7 +72,7 @@ target_compile_options(mixrig_options INTERFACE
 target_compile_definitions(mixrig_options INTERFACE MIXRIG_VERSION="${PROJECT_VERSION}")
 if(MIXRIG_WERROR)
   target_compile_options(mixrig_options INTERFACE -Werror)
-  # Told by the optimiser, after inlining: what it says changes with processor and flags.
+  # Warnings of the optimiser after inlining, which vary with processor and flags.
   foreach(ghost stringop-truncation free-nonheap-object nonnull dangling-pointer use-after-free)
     target_compile_options(mixrig_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-error=${ghost}>)
   endforeach()

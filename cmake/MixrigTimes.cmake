@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# What each compilation, link and test costs, for ./check, which sums it up in build/PRESET/times.csv.
-# GNU time appends a line to times.log: "build|TARGET|..." or "test|PROGRAM and its arguments|...".
+# Records the time of each compilation, link and test for ./check, which sums it up in
+# build/PRESET/times.csv. GNU time appends a line to times.log: "build|TARGET|..." or "test|PROGRAM
+# and its arguments|...".
 find_program(MIXRIG_GNU_TIME time)
 if(NOT MIXRIG_GNU_TIME)
   return()

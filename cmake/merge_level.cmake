@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DLD= -DOBJCOPY= -DNM= -DOBJDUMP= -DKEEP=SYMBOL -DOUT=FILE -P merge_level.cmake -- OBJECT ...
-# Makes one object of all in which SYMBOL alone can be seen; ends with an error if anything else can
-# be, or if anything of it would run before main on a processor that may not have its instructions.
+# Merges all objects into one in which only SYMBOL is visible. Fails if anything else is visible, or
+# if any of its code would run before main on a processor that may lack its instructions.
 set(objects "")
 set(is_object OFF)
 math(EXPR last "${CMAKE_ARGC} - 1")
@@ -21,7 +21,8 @@ function(run out)
   set(${out} "${output}" PARENT_SCOPE)
 endfunction()
 
-# Groups are how linkers tell copies of one function, by name, even if it is local: none is left.
+# Linkers match copies of a function by its group name, even if it is local; so all groups are
+# removed.
 run(ignored ${LD} -r --force-group-allocation -o ${OUT}.all ${objects})
 run(ignored ${OBJCOPY} --keep-global-symbol=${KEEP} ${OUT}.all ${OUT})
 file(REMOVE ${OUT}.all)

@@ -22,7 +22,7 @@ vec4 weights(int i) {
   return vec4(light_taps[i], chroma_taps[i], chroma_taps[i], light_taps[i]);
 }
 
-// The same as from_differences() of host/render/frame/picture_look.h.
+// Computes the same as from_differences() of host/render/frame/picture_look.h.
 vec4 from_differences(vec4 d) {
   vec3 share = vec3(luminance(vec3(1, 0, 0)), luminance(vec3(0, 1, 0)), luminance(vec3(0, 0, 1)));
   float green = -(share.r * d.y + share.b * d.z) / share.g;

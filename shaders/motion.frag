@@ -29,7 +29,7 @@ vec4 color_between(vec2 at) {
   return mix(top, bottom, t.y);
 }
 
-// The same as motion_px() of host/render/frame/frame_motion.h.
+// Computes the same as motion_px() of host/render/frame/frame_motion.h.
 vec2 motion_px(vec2 px, float w_of) {
   vec2 ray = (px - center_px) / focal_px;
   vec3 moves = cross(turn_rad, vec3(ray, 1.0)) + w_of * shift_m;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The filters of paper C, section 2.3.3, over their kernel size on a studio take with truth: wrong
-// pixels (figure 32) and time (figure 33), as plots too where a name is given for them, with our
-// own correction as `mixrig run` measures it on the same frames. usage: depth_filter_bench TAKE
-// FIRST LAST [PLOTS OUR_WRONG_PERCENT OUR_MS]
+// Measures the depth filters of Cortes Reina (2015, section 2.3.3) over their kernel size on a
+// studio take with truth: wrong pixels (his figure 32) and time (figure 33). Given a name, it also
+// writes plots, with our own correction as `mixrig run` measures it on the same frames. usage:
+// depth_filter_bench TAKE FIRST LAST [PLOTS OUR_WRONG_PERCENT OUR_MS]
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -22,11 +22,12 @@
 namespace mixrig {
 namespace {
 
-constexpr float kWrong_m = 0.1F;  // paper C, section 4.2
+constexpr float kWrong_m = 0.1F;  // Cortes Reina 2015, section 4.2
 constexpr double kSigma_m = 0.05, kSigmaLuma = 0.05;
 constexpr int kBandWidth_px = 8;
 
-/// A frame: depth as z of the ToF camera and in the view, the luma of the plate in the view, truth.
+/// One frame: depth as z of the ToF camera and in the view, the luma of the plate in the view,
+/// truth.
 struct Scene {
   Image<float> tof_z_m, view_m, luma;
   capture::Truth truth;

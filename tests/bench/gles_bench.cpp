@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Milliseconds a stage of both back ends at 1280 x 1024 with a 512 x 424 ToF camera, least of
+// Milliseconds per stage of both back ends at 1280 x 1024 with a 512 x 424 ToF camera, the least of
 // some frames. Every second frame moves the camera, so that each stage runs.
 #include <algorithm>
 #include <cstdio>

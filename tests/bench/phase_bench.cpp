@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes the raw pictures of studio frames and holds them against the truth: error, noise, wrong
-// and missing pixels, CPU time of one thread. usage:
-// phase_bench SCENARIO SEED FIRST LAST [plain|judged] [FOLDER]
-// With FOLDER pictures of the frames are left there. Where the build knows a checkout of
-// libfreenect2 (MIXRIG_LIBFREENECT2), its decoder is judged too, on the same packets.
+// Decodes the raw pictures of studio frames and compares the depth with the truth: error, noise,
+// wrong and missing pixels, CPU time of one thread. usage: phase_bench SCENARIO SEED FIRST LAST
+// [plain|judged] [FOLDER]. With FOLDER it writes pictures of the frames there. If the build knows a
+// checkout of libfreenect2 (MIXRIG_LIBFREENECT2), its decoder is measured too, on the same packets.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -25,10 +24,10 @@
 namespace mixrig {
 namespace {
 
-constexpr float kWrong_m = 0.1F;  // paper C, section 4.2
+constexpr float kWrong_m = 0.1F;  // Cortes Reina 2015, section 4.2
 constexpr int kRepeats = 20;
 
-/// True depth; in the band, a step of over 100 mm is within one pixel.
+/// True depth of a frame. In the band, a depth step of over 100 mm is within one pixel.
 struct True {
   Image<float> distance_m;
   Image<std::uint8_t> band;

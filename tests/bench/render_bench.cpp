@@ -28,8 +28,8 @@ double copy_mb_per_ms() {
   return rate;
 }
 
-/// range(0): threads; range(1): 1 where the camera moves, so that nothing is kept between frames, 2
-/// where the background is drawn for each pose too, 3 where instead of the camera its lens moves.
+/// range(0): threads. range(1): 0 still; 1 the camera moves, so that nothing is kept between
+/// frames; 2 the background is also drawn for each pose; 3 the lens moves instead of the camera.
 template <typename Room>
 void compose_in(benchmark::State& state, Size view, Size tof, bool second_tof = false) {
   Room room({.view = view, .tof = tof, .lens_k1 = -0.05, .second_tof = second_tof});
@@ -48,7 +48,8 @@ void compose_in(benchmark::State& state, Size view, Size tof, bool second_tof = 
   render::FrameOutput output;
   render::FrameInput frame = room.frame();
   if (zooms) frame.lens = geometry::LensState{room.setup.target, 0};
-  // Images of both frames in flight grow, and shadow maps are drawn, before the time is taken.
+  // The images of both frames in flight are allocated and the shadow maps drawn before the timing
+  // starts.
   for (int i = 0; i < 2; ++i)
     if (!(*compositor)->compose(frame, output)) state.SkipWithError("compose failed");
   state.counters["heap_mb"] = heap_mb() - before_mb;

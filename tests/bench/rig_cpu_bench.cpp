@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a live rig costs the host, without decoding and encoding: three cameras of 1280x1024 (YUYV
-// at 25, 25 and 10 Hz) whose pictures are copied out of a driver's buffer, a ToF camera of 640x480
-// (distance and amplitude, checksummed packets) at 25 Hz, a master of 100 Hz, pairing into sets.
-// The emulated devices' own time is taken off. Prints percent of one core.
-//   rig_cpu_bench [SECONDS]
+// Measures the processor time that a live rig costs the host, without decoding and encoding: three
+// cameras of 1280x1024 (YUYV at 25, 25 and 10 Hz) whose pictures are copied out of a driver's
+// buffer, a ToF camera of 640x480 (distance and amplitude, checksummed packets) at 25 Hz, a master
+// of 100 Hz, pairing into sets. The emulated devices' own time is subtracted. Prints percent of one
+// core. usage: rig_cpu_bench [SECONDS]
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
@@ -41,7 +41,8 @@ double process_cpu_s() {
   return s(usage.ru_utime) + s(usage.ru_stime);
 }
 
-/// The work of the V4L2 driver without the kernel: wake up, take a buffer, copy, publish.
+/// Does the work of the V4L2 driver without the kernel: wakes up, takes a buffer, copies,
+/// publishes.
 class CopyingCamera final : public device::Camera {
  public:
   CopyingCamera(double rate_hz, Clock& clock)
@@ -123,7 +124,7 @@ class Emulator {
   double cpu_s() const { return cpu_s_; }
 
  private:
-  /// Payloads of eight frames go round; only the headers are made anew.
+  /// Sends one of eight prepared frames in turn; only the headers are new.
   static void send(test::FakeTofDevice& tof, const device::TofDescription& description,
                    std::uint32_t counter,
                    const std::vector<std::vector<std::vector<std::uint8_t>>>& frames) {

@@ -38,7 +38,7 @@ class SleepySink final : public output::CompositeSink {
   HostTime next_sleep_{};
 };
 
-/// Keeps the times of frames that were composited while the other sink slept, and of the rest.
+/// Records the times of frames that were composited while the other sink slept, and of the rest.
 class WatchingSink final : public output::CompositeSink {
  public:
   std::string_view name() const override { return "watching"; }

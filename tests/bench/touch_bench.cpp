@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time of a frame in which people stand in objects, by picture size, people and objects; and of the
-// physics of a frame with objects that are pushed.
+// Time of a frame in which people stand in objects, by picture size, people and objects; and time
+// of the physics of a frame with objects that are pushed.
 #include <array>
 #include <cstdlib>
 
@@ -25,8 +25,8 @@ geometry::Pinhole view_of_width(int width, int height) {
           0.5 * height - 0.5};
 }
 
-/// Last: number of objects, 0: tracking alone; below 0: balls, whose hull has 500 faces, instead of
-/// boxes.
+/// range(2): number of objects; 0: tracking alone; negative: balls, whose hull has 500 faces,
+/// instead of boxes.
 void touch_people(benchmark::State& state) {
   const int width = static_cast<int>(state.range(0)), count = static_cast<int>(state.range(1));
   const auto objects = static_cast<std::size_t>(std::abs(state.range(2)));

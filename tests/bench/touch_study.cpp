@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Events of a studio take against the true surfaces of its people: boxes on the way of who walks,
-// and boxes that are passed at 150 mm. usage: touch_study TAKE SCENARIO RIG SEED PEOPLE FRAMES
+// Compares events of a studio take with the true surfaces of its people: boxes on a person's way,
+// and boxes passed at 150 mm. usage: touch_study TAKE SCENARIO RIG SEED PEOPLE FRAMES
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,8 +25,8 @@ const Eigen::Vector3d kHalf_m(0.15, 0.15, 0.6);
 constexpr int kPlaces = 8;
 
 struct StudyBox {
-  geometry::Pose world_from_box;  ///< its middle
-  bool is_passed = false;         ///< at kPass_m
+  geometry::Pose world_from_box;  ///< pose of the box's middle
+  bool is_passed = false;         ///< people pass it at a distance of kPass_m
 };
 
 struct Found {
@@ -34,7 +34,7 @@ struct Found {
   int frame = 0;
 };
 
-/// What the key showed in a frame.
+/// Depth that the key showed in a frame, and the view.
 struct Seen {
   Image<float> depth_m;
   geometry::Pinhole view;
@@ -113,7 +113,7 @@ struct Body {
 };
 using Frames = std::vector<std::vector<Body>>;  ///< [frame][person]
 
-/// None farther than `least_m`.
+/// Distance of a body from a box; none if it is certainly at least `least_m`.
 std::optional<studio::BoxDistance> distance_of(const Body& body, const geometry::Pose& box,
                                                const Eigen::Vector3d& half_m, double least_m) {
   if (body.box_m.exteriorDistance(box.translation_m) - half_m.norm() >= least_m) return {};
@@ -133,8 +133,8 @@ geometry::Pose box_at(const Eigen::Vector2d& at_m, double yaw_rad) {
           {at_m.x(), at_m.y(), kHalf_m.z()}};
 }
 
-/// On the mean ellipse of the first person's way, and farther in along the same ray, so far that
-/// the way of everybody stays kPass_m away.
+/// Boxes in pairs: one on the mean ellipse of the first person's way, one farther in along the same
+/// ray, so far that everybody passes it at kPass_m.
 std::vector<StudyBox> boxes_of(const Frames& frames) {
   std::vector<StudyBox> boxes;
   Eigen::AlignedBox2d way;
@@ -155,11 +155,11 @@ std::vector<StudyBox> boxes_of(const Frames& frames) {
           return (a - middle).normalized().dot(ray) < (b - middle).normalized().dot(ray);
         });
     boxes.push_back({box_at(on_way, angle), false});
-    double near_m = 0, far_m = 1.5;  // from the way inwards, beyond the middle
+    double near_m = 0, far_m = 1.5;  // distance inwards from the way, up to beyond the middle
     if (least_m(frames, box_at(on_way - far_m * ray, angle)) < kPass_m)
       for (double d = 0.3; d < 1.5 && far_m == 1.5; d += 0.05)
         if (least_m(frames, box_at(on_way - d * ray, angle)) > kPass_m) far_m = d;
-    if (far_m == 1.5) continue;  // there is no such place
+    if (far_m == 1.5) continue;  // no such place exists
     near_m = far_m - 0.05;
     for (int k = 0; k < 6; ++k) {
       const double d = 0.5 * (near_m + far_m);
@@ -181,7 +181,7 @@ std::vector<TrueContact> true_contacts(const Frames& frames, int first,
   std::vector<TrueContact> out;
   for (std::size_t b = 0; b < boxes.size(); ++b)
     for (std::size_t p = 0; p < frames[0].size(); ++p) {
-      double before_m = -1;  // who is in it from the first frame on has no first contact
+      double before_m = -1;  // a person who is inside from the first frame on has no first contact
       for (std::size_t f = 0; f < frames.size(); ++f) {
         const auto d = distance_of(frames[f][p], boxes[b].world_from_box, kHalf_m, 0.3)
                            .value_or(studio::BoxDistance{1, {}});
@@ -200,7 +200,7 @@ double quantile_of(std::vector<double> values, double q) {
   return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
-/// Of the contacts whose first place the camera sees, or of the others.
+/// Counts of the contacts whose first place the camera sees, or of the other contacts.
 struct Tally {
   int contacts = 0, missed = 0, within = 0, both = 0, by_proxy = 0;
   std::vector<double> frames, gap_mm, place_mm;
@@ -229,7 +229,7 @@ void judge(const Frames& frames, int first, const std::vector<StudyBox>& boxes,
   Tally tallies[2];
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const TrueContact& c = contacts[k];
-    // Hands swing in and out: a contact within 0.3 s of another one is the same.
+    // Hands swing in and out: a contact within 0.3 s of another one belongs to it.
     const bool again = k > 0 && contacts[k - 1].box == c.box &&
                        contacts[k - 1].person == c.person &&
                        c.time_s - contacts[k - 1].time_s < 0.3;
@@ -337,7 +337,7 @@ Result<void> study(int argc, char** argv) {
   session::RunParts parts;
   parts.sinks.push_back(std::make_unique<StudySink>(boxes, session->setup.noise, found, seen));
   MIXRIG_TRY(session::run(*session, run_options, clock, {}, std::move(parts)));
-  constexpr double kToBelieve_s = 0.3;  // who is in a box when they appear
+  constexpr double kToBelieve_s = 0.3;  // time until people who appear inside a box are believed
   judge(frames, first, boxes, found, seen, (first - 1) / studio::kFrameRate_hz + kToBelieve_s);
   return {};
 }

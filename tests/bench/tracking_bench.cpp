@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tracker beside what one would build from OpenCV, on the same pictures of a take with truth:
-// SIFT of the room, rendered once, matched to each picture; interest points tracked (KLT) from the
-// room rendered at the last pose (Schiller et al. 2010, section 5.1). Both solve for the pose by
-// estimation::solve_pnp. One thread each; the times of KLT are without those of rendering.
-// usage: tracking_bench ROOM TAKE CALIBRATION SCENE     (SCENE says where the room stands)
+// Compares the tracker with what one would build from OpenCV, on the same pictures of a take with
+// truth: SIFT features of the room, rendered once, matched to each picture; and interest points
+// tracked (KLT) from the room rendered at the last pose (Schiller et al. 2010, section 5.1). Both
+// solve for the pose with estimation::solve_pnp. Each uses one thread; the times of KLT are without
+// those of rendering. usage: tracking_bench ROOM TAKE CALIBRATION SCENE (SCENE states where the
+// room stands)
 #include <chrono>
 #include <cstdio>
 #include <numbers>
@@ -37,7 +38,7 @@ T need(Result<T> result) {
   std::exit(1);
 }
 
-/// The room as the fisheye shows it, and the places of its pixels.
+/// The room as the fisheye shows it, and the distance of each pixel.
 struct Rendering {
   cv::Mat grey;
   Image<float> distance_m;  ///< from the camera; 0 unknown
@@ -48,7 +49,8 @@ class RoomRenderer {
   RoomRenderer(const model::Panorama& room, const geometry::FisheyeModel& camera)
       : room_(room), camera_(camera) {}
 
-  /// Each pixel's ray is followed to where the room's distance is its own.
+  /// Draws the room: each pixel's ray is followed until its length is the room's distance in that
+  /// direction.
   Rendering draw(const Pose& room_from_camera) const {
     const Size size = camera_.size_px();
     Rendering out{cv::Mat(size.height, size.width, CV_8U, cv::Scalar(0)), Image<float>(size)};
@@ -89,7 +91,7 @@ class RoomRenderer {
   const geometry::FisheyeModel& camera_;
 };
 
-/// A place of the room and the pixel that shows it.
+/// Points of the room and the bearings of the pixels that show them.
 struct Matches {
   std::vector<Vector3d> points_m;
   std::vector<estimation::Bearing> bearings;
@@ -115,7 +117,7 @@ struct Matches {
   }
 };
 
-/// SIFT of the room as seen from where it was scanned.
+/// SIFT features of the room, as seen from where it was scanned.
 class SiftPeer {
  public:
   SiftPeer(const RoomRenderer& renderer, const geometry::FisheyeModel& camera)
@@ -147,7 +149,7 @@ class SiftPeer {
   cv::Mat descriptors_;
 };
 
-/// KLT from the rendering at the last pose, forward and back.
+/// Pose by KLT from the rendering at the last pose, checked forward and back.
 std::optional<Pose> klt_pose(const Rendering& drawn, const geometry::FisheyeModel& camera,
                              const cv::Mat& picture, const Pose& last) {
   std::vector<cv::Point2f> from, to, back;
@@ -242,7 +244,7 @@ int main(int argc, char** argv) {
     cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
     ms = timed_ms([&] { found = sift.pose(grey); });
     by_sift.add(found, is, ms);
-    if (!last) last = is;                          // a chain needs a start: it gets the true one
+    if (!last) last = is;                          // a chain needs a start: it gets the true pose
     const Rendering drawn = renderer.draw(*last);  // not timed: it is a plain loop here
     ms = timed_ms([&] { found = klt_pose(drawn, *camera, grey, *last); });
     if (found) last = found;

@@ -37,17 +37,17 @@ class AcmDevice final : public UsbDevice {
   std::vector<std::uint8_t> out_;
 };
 
-/// The emulated pan-tilt unit on such a line.
+/// The emulated pan-tilt unit as the peer of a serial line.
 class PtuPeer final : public SerialPeer {
  public:
-  /// Every byte of command and answer takes `byte_time`.
+  /// `byte_time`: duration of every byte of a command or an answer on the line.
   explicit PtuPeer(Duration byte_time = {}) : byte_time_(byte_time) {}
   void receive(std::span<const std::uint8_t> bytes, HostTime now) override;
   void transmit_ready(std::vector<std::uint8_t>& out, HostTime now) override;
   std::optional<HostTime> next_event() override;
   void set_faults(const fake::FlirPtuEmulator::Faults& faults);
   std::array<long, 2> position(HostTime now);
-  /// From another controller, whose answers the host does not see.
+  /// Gives the unit a command from another controller; the host does not see the answers.
   void order(const std::string& words, HostTime now);
   std::uint64_t limit_reports() const;
 
@@ -55,7 +55,7 @@ class PtuPeer final : public SerialPeer {
   mutable std::mutex mutex_;
   fake::FlirPtuEmulator unit_{1};
   Duration byte_time_;
-  HostTime ready_{};  ///< when the answer has been transmitted
+  HostTime ready_{};  ///< when the current answer has been transmitted
 };
 
 }  // namespace mixrig::board

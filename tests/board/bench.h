@@ -18,7 +18,8 @@ namespace mixrig::board {
 
 using namespace std::chrono_literals;
 
-/// How long a test waits for what must happen. On the board time is counted in instructions.
+/// How long a test waits for something that must happen. On the board, time is counted in
+/// instructions.
 inline constexpr Duration kTimeout = 20s;
 /// A device must deliver again within this time after it was plugged in again.
 inline constexpr Duration kRecovery = 2s;
@@ -57,7 +58,7 @@ struct Ran {
 };
 Ran run(const std::string& command);
 
-/// One line of figures for the log.
+/// Prints one line of measured figures to the log; `pattern` is that of printf.
 template <typename... T>
 void measured(const char* pattern, T... values) {
   std::printf("  measured: ");

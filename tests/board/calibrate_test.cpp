@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mixrig calibrate` of the package: the lens of the target camera from the studio's board views in
-// MIXRIG_BOARD_TAKES, against the true lens, which the take of the same rig has.
+// `mixrig calibrate` of the package: estimates the lens of the target camera from the studio's
+// board views in MIXRIG_BOARD_TAKES and compares it with the true lens, which the take of the same
+// rig has.
 #include <cmath>
 #include <cstdlib>
 #include <fstream>

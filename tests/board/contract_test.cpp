@@ -21,7 +21,7 @@ namespace {
 
 SystemClock g_clock;
 
-/// `bench` is kept as long as the camera.
+/// A camera under test; `bench` lives as long as the camera.
 CameraUnderTest make(const std::string& node, std::shared_ptr<board::UvcBench> bench) {
   auto camera = device::V4l2Camera::open(
       node, {.size = {320, 180}, .format = device::PixelFormat::kYuyv, .rate_hz = 30}, g_clock);
@@ -83,7 +83,7 @@ TriggerUnderTest make_lines() {
   return {chip, *std::move(trigger)};
 }
 
-/// A device of this process on a serial line of the kernel.
+/// A device of this process behind a serial line of the kernel.
 template <typename Peer>
 struct SerialBench {
   template <typename... Arguments>

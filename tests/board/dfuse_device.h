@@ -14,7 +14,7 @@ class DfuseDevice final : public UsbDevice {
   int control(const UsbSetup& setup, std::span<std::uint8_t> data) override;
   void configured() override;
 
-  /// While the device is unplugged.
+  /// For use while the device is unplugged.
   fake::EmulatedFlash& flash() { return flash_; }
 
  private:

@@ -35,7 +35,7 @@ class Kept {
       if (keeps_ > frames_.size()) frames_.push_back(frame);
     };
   }
-  /// Keeps the next so many.
+  /// Keeps the next `frames` frames.
   void keep(std::size_t frames) {
     const std::lock_guard lock(mutex_);
     frames_.clear();
@@ -66,7 +66,7 @@ std::unique_ptr<device::V4l2Camera> open_camera(device::PixelFormat format) {
   return camera ? *std::move(camera) : nullptr;
 }
 
-/// Whether the DMABUF, mapped for itself, holds the bytes of the frame.
+/// Whether the frame's DMABUF, mapped separately, holds the bytes of the frame.
 bool holds_the_same(const device::Frame& frame) {
   const std::size_t all = frame.memory.offset_bytes + frame.bytes.size();
   void* const address = ::mmap(nullptr, all, PROT_READ, MAP_SHARED, frame.memory.fd, 0);
@@ -92,7 +92,7 @@ TEST(LentBuffers, AreTheBytesOfTheDmabufAndGoBackWhenTheyAreDropped) {
       ASSERT_TRUE(frame->memory) << device::name(format);
       EXPECT_TRUE(holds_the_same(*frame)) << device::name(format);
     }
-    // vivid draws a running counter: a held picture stays as it is while others are taken.
+    // vivid draws a running counter: a held picture must not change while others are taken.
     const std::vector<std::uint8_t> first(frames[0]->bytes.begin(), frames[0]->bytes.end());
     const std::size_t before = kept.count();
     ASSERT_TRUE(test::comes_true([&] { return kept.count() > before + 20; }))
@@ -110,7 +110,7 @@ TEST(LentBuffers, ALateConsumerGetsCopiesAndTheCameraGoesOn) {
   const auto camera = open_camera(device::PixelFormat::kYuyv);
   ASSERT_TRUE(camera);
   Kept kept;
-  kept.keep(10);  // as many copies as there are
+  kept.keep(10);  // the number of copies that the driver has
   ASSERT_TRUE(camera->start(kept.sink()));
   ASSERT_TRUE(kept.wait_for(10));
   int lent = 0;
@@ -137,7 +137,7 @@ struct VgemPicture {
            .yuv = {257 * 18997, 16, -1160, 102, -25, -52, 128, 6}};
     raw.memory = {.fd = buffer->fd(), .set = 1, .index = index};
   }
-  /// As a camera does.
+  /// Fills the buffer with random bytes, like a camera.
   void fill(unsigned seed) {
     std::mt19937 generator(seed);
     for (auto& byte : buffer->bytes()) byte = static_cast<std::uint8_t>(generator());
@@ -149,7 +149,7 @@ struct VgemPicture {
   Image<Rgb8> decoded;
 };
 
-/// The plate pass through a lens, on a driver that imports.
+/// Runs the plate pass through a lens, on a driver that imports.
 class Imports : public test::GlTest {
  protected:
   void SetUp() override {
@@ -166,8 +166,8 @@ class Imports : public test::GlTest {
     pass_.emplace(std::move(*pass));
     ASSERT_TRUE(pass_->prepare_decoding());
   }
-  /// Pixels of the view that differ between the picture read in place and its copy; -1: the driver
-  /// refuses it.
+  /// Number of pixels of the view that differ between the picture read in place and its copy; -1
+  /// where the driver refuses the picture.
   int differing(const VgemPicture& picture) {
     const auto* planes = imports_->find(picture.raw);
     if (planes == nullptr) return -1;
@@ -195,7 +195,7 @@ TEST_F(Imports, APictureReadInPlaceIsDrawnAsItsCopy) {
     ASSERT_TRUE(picture.buffer) << "no dumb buffer of vgem";
     picture.fill(1);
     EXPECT_EQ(differing(picture), 0) << name(layout);
-    // The camera fills the same buffer again, which is not imported anew.
+    // The camera fills the same buffer again; it is not imported again.
     picture.fill(2);
     EXPECT_EQ(differing(picture), 0) << name(layout) << ", filled again";
     EXPECT_EQ(imports_->size(), index);

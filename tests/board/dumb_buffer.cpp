@@ -13,7 +13,7 @@
 namespace mixrig::board {
 namespace {
 
-// drm.h and drm_mode.h of the kernel.
+// Structures of the kernel's drm.h and drm_mode.h.
 struct DrmVersion {
   int major, minor, patch;
   std::size_t name_length;
@@ -90,7 +90,7 @@ bool DumbBuffer::create(Size size) {
 DumbBuffer::~DumbBuffer() {
   if (!bytes_.empty()) ::munmap(bytes_.data(), bytes_.size());
   if (exported_ >= 0) ::close(exported_);
-  if (node_ >= 0) ::close(node_);  // its buffers go with it
+  if (node_ >= 0) ::close(node_);  // releases its buffers too
 }
 
 }  // namespace mixrig::board

@@ -26,7 +26,7 @@ class Flash : public ::testing::Test {
     if (image_.empty()) GTEST_SKIP() << "no firmware image: it needs arm-none-eabi-g++";
     plug();
   }
-  /// As after a power cycle with BOOT0 high.
+  /// Plugs the board in as after a power cycle with BOOT0 high.
   void plug() {
     const auto plugged = port_.plug();
     ASSERT_TRUE(plugged) << to_line(plugged.error());

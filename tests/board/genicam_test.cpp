@@ -44,7 +44,7 @@ class Genicam : public ::testing::Test {
     ASSERT_EQ(ran.status, 0) << ran.text;
     std::printf("%s", ran.text.c_str());
   }
-  /// Every frame has both pictures of one exposure, and the depth that was sent.
+  /// Checks that every frame has both pictures of one exposure, and the depth that was sent.
   void check(const std::string& out) {
     const auto sent = test::sent_frames(out, *cameras_);
     long whole = 0;
@@ -68,8 +68,8 @@ class Genicam : public ::testing::Test {
     measured("%zu sets of %d sent pairs, %ld depth pictures equal to the step", sent.size(),
              cameras_->frames(), whole);
   }
-  /// Records the walk as /tmp/walk2 with `tables` and `keys` of a rig.toml, and holds its composite
-  /// against that of the take itself.
+  /// Records the walk as /tmp/walk2 with `tables` and `keys` of a rig.toml, and compares its
+  /// composite with that of the take itself.
   void record_and_composite_walk(const std::string& tables, const std::string& keys = "") {
     fs::remove_all("/tmp/walk2");
     record("walk", kRate_hz, test::GenicamDepthLayout::kParts, "/tmp/walk2", tables, keys);
@@ -84,7 +84,7 @@ class Genicam : public ::testing::Test {
     EXPECT_GT(there.first, own.first - 0.01);
     EXPECT_LT(there.second, own.second + 2);
   }
-  /// key_iou and depth_mae_mm of a take.
+  /// Runs a take and returns its key_iou and depth_mae_mm.
   static std::pair<double, double> composited(const std::string& take) {
     const Ran ran = run("mixrig run " + take + "/scene.toml --source take:" + take +
                         " --out /tmp/out --backend cpu --format none --json /tmp/run.json");

@@ -17,7 +17,8 @@ void put_interface(Bytes& to, std::uint8_t number, std::uint8_t setting, std::ui
   to.insert(to.end(), {9, 4, number, setting, endpoints, 0xFF, 0, 0, 0});
 }
 
-/// An endpoint and its SuperSpeed companion; `bytes` per service interval, of isochronous ones.
+/// Appends an endpoint and its SuperSpeed companion. `bytes`: per service interval, for isochronous
+/// endpoints.
 void put_endpoint(Bytes& to, std::uint8_t address, std::uint8_t kind, std::uint8_t burst,
                   std::uint8_t mult, std::uint16_t bytes) {
   const std::uint8_t interval = kind == kIsochronous ? 1 : 0;
@@ -52,7 +53,7 @@ void Kinect2Device::configured() {
   (void)pipes_->submit({});
 }
 
-/// Setting 0 ends the stream of pictures.
+/// Alternate setting 0 of the infrared interface ends the stream of pictures.
 void Kinect2Device::selected(int interface, int setting) {
   if (interface != kInfraredInterface) return;
   (void)pipes_->set_alternate(interface, setting);
@@ -65,7 +66,7 @@ void Kinect2Device::receive(int endpoint, std::span<const std::uint8_t> bytes) {
   if (endpoint == kCommandOut) (void)pipes_->write(static_cast<std::uint8_t>(endpoint), bytes);
 }
 
-/// The next answer, or the rest of one that is longer than a transfer.
+/// Transmits the next answer, or the rest of one that is longer than a transfer.
 int Kinect2Device::answer(std::span<std::uint8_t> room) {
   if (sent_ == size_) {
     const auto got = pipes_->read(0x81, answer_);

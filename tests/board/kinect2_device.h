@@ -25,7 +25,7 @@ class Kinect2Device final : public UsbDevice {
   void configured() override;
   void selected(int interface, int setting) override;
 
-  /// Its pictures: call send_depth() or send_color(), then wake the port.
+  /// The emulated camera: call its send_depth() or send_color(), then wake the port.
   device::EmulatedKinect2& camera() { return camera_; }
 
  private:
@@ -39,7 +39,7 @@ class Kinect2Device final : public UsbDevice {
   std::unique_ptr<device::UsbStreams> pipes_;
   UsbDescriptors descriptors_;
   std::vector<std::uint8_t> answer_;
-  std::size_t sent_ = 0, size_ = 0;  ///< of the answer
+  std::size_t sent_ = 0, size_ = 0;  ///< bytes of `answer_`: already transmitted, valid
   std::deque<Packet> infrared_, color_;
 };
 

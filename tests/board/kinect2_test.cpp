@@ -54,7 +54,7 @@ device::EmulatedKinect2::Answers answers() {
           .color = Bytes(12981)};
 }
 
-/// Distances along the ray against the truth at the pixels' centres.
+/// Errors of distances along the ray against the truth at the pixels' centres.
 struct Score {
   long pixels = 0, missing = 0, wrong = 0, known = 0;
   double sum_m = 0, absolute_m = 0, square_m2 = 0;
@@ -113,8 +113,9 @@ class Kinect2 : public ::testing::Test {
     device_.camera().send_depth(raw_[static_cast<std::size_t>(number - 1)], lost);
     port_.wake();
   }
-  /// Sends the last one again where the driver has started the device again meanwhile: it does so
-  /// after a second of silence, and the guest's clock runs ahead where the host is slow.
+  /// Waits for `count` frames. If the driver has restarted the device meanwhile, the last frame is
+  /// sent again: the driver restarts after a second of silence, and the guest's clock runs ahead
+  /// where the host is slow.
   bool frames(std::size_t count) {
     return wait_until([&] {
       {
@@ -170,7 +171,7 @@ TEST_F(Kinect2, RawPicturesInIsochronousPacketsBecomeTheDepthOfTheirTruth) {
   EXPECT_LT(score.percent(score.missing), 6);
 }
 
-/// The bytes of the ten pictures came through unchanged: decoded here they give the same steps.
+/// The ten pictures arrive unchanged: decoding their bytes here gives the same steps.
 TEST_F(Kinect2, DepthIsThatOfTheSamePacketsDecodedHere) {
   send(2);
   ASSERT_TRUE(frames(1));
@@ -234,8 +235,8 @@ TEST_F(Kinect2, UnpluggedWhileItStreamsItIsLostAndComesBack) {
   EXPECT_EQ(frames_[1]->flags, device::kFrameRestarted);
 }
 
-/// Plates by a GigE Vision camera, raw pictures by the Kinect's packets, both of one take: recorded
-/// and composited by the command, beside the take itself.
+/// Plates by a GigE Vision camera and raw pictures by the Kinect's packets, both of one take, are
+/// recorded and composited by the command; the take itself is composited for comparison.
 TEST(Kinect2Rig, RawPacketsAreRecordedAndComposited) {
   if (folder().empty()) GTEST_SKIP() << "MIXRIG_BOARD_KINECT names no take";
   (void)run("ip addr add 127.0.0.2/8 dev lo");
@@ -243,7 +244,7 @@ TEST(Kinect2Rig, RawPacketsAreRecordedAndComposited) {
   VhciPort port(5, device);
   ASSERT_TRUE(port.plug());
   std::vector<Bytes>
-      frames;  // read now: the guest's clock runs ahead while it reads from the share
+      frames;  // read early: the guest's clock runs ahead while it reads from the share
   for (int n = 1; fs::exists(folder() + "/" + numbered("raw/%06d.bin", n)); ++n)
     frames.push_back(bytes_of(numbered("raw/%06d.bin", n)));
   const auto expose = [&](int frame) {
@@ -284,7 +285,7 @@ TEST(Kinect2Rig, RawPacketsAreRecordedAndComposited) {
   measured("key_iou %.4f, depth %.2f mm, bad %.2f %%; of the take itself %.4f, %.2f mm, %.2f %%",
            value(there, "key_iou"), value(there, "depth_mae_mm"), value(there, "depth_bad_pct"),
            value(own, "key_iou"), value(own, "depth_mae_mm"), value(own, "depth_bad_pct"));
-  // Frames without depth are left out, the last one is repeated.
+  // Frames without depth are left out, and the last frame is repeated; hence the tolerances.
   EXPECT_GT(value(there, "key_iou"), value(own, "key_iou") - 0.03);
   EXPECT_LT(value(there, "depth_mae_mm"), value(own, "depth_mae_mm") + 2);
 }

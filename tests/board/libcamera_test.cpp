@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The libcamera driver on the kernel's vimc, a simulated sensor with an image processor: the
-// library's handler and algorithms module of it run.
+// library runs its handler and its algorithms module for vimc.
 #include "extras/libcamera/libcamera_camera.h"
 #include "tests/board/bench.h"
 
@@ -64,11 +64,12 @@ TEST_F(Libcamera, AMissingCameraASizeAndATriggerAreRefusedInOneLine) {
   EXPECT_FALSE(device::open_libcamera("any", {.hardware_trigger = true}, g_libcamera_clock));
 }
 
-// In a process of its own: the library's thread goes on at full load.
+// A suite of its own, so that it runs in its own process: the library's thread goes on at full
+// load.
 class LibcameraSilence : public Libcamera {};
 
-// The library's handler of vimc does not tell that its device has vanished (0.0.3; that of USB
-// cameras does), and stop() would end the process.
+// libcamera's handler of vimc (0.0.3) does not report that its device has vanished, unlike that of
+// USB cameras, and stop() would end the process.
 TEST_F(LibcameraSilence, ACameraThatFallsSilentIsLostAndCanBeStopped) {
   ASSERT_TRUE(camera_->start(frames_.sink()));
   ASSERT_TRUE(frames_.wait_for_more(5));

@@ -20,7 +20,8 @@ constexpr const char* kNode = "/dev/video20";
 constexpr Size kSize{320, 256};
 SystemClock g_clock;
 
-/// BT.601 with 16 to 235, as readers of such nodes take it; chroma of two pixels together.
+/// Converts YUYV with BT.601 and 16 to 235, as readers of such nodes do; two pixels share their
+/// chroma.
 Image<Rgb8> rgb_of_yuyv(const std::vector<std::uint8_t>& bytes) {
   Image<Rgb8> picture(kSize);
   const auto byte = [](double value) {
@@ -37,8 +38,9 @@ Image<Rgb8> rgb_of_yuyv(const std::vector<std::uint8_t>& bytes) {
   return picture;
 }
 
-/// Largest mean difference of a channel, and the share of pixels whose neighbours in the row have
-/// the same colour and that differ by more than 4: there chroma of two pixels loses nothing.
+/// Returns the largest mean difference of a channel, and the share of pixels that differ by more
+/// than 4 among those whose neighbours in the row have the same colour: there, shared chroma loses
+/// nothing.
 std::pair<double, double> differences(const Image<Rgb8>& a, const Image<Rgb8>& b) {
   double sums[3] = {};
   long flat = 0, wrong = 0;
@@ -69,7 +71,7 @@ class Loopback : public ::testing::Test {
   }
   void TearDown() override { (void)run("rmmod v4l2loopback && udevadm settle"); }
 
-  /// The next picture, by v4l2-ctl; false while nobody writes.
+  /// Reads the next picture with v4l2-ctl; false while nobody writes.
   static bool read(Image<Rgb8>& picture) {
     const Ran ran = run(std::string("timeout 10 v4l2-ctl -d ") + kNode +
                         " --stream-mmap --stream-count=1 --stream-to=/tmp/loopback.yuyv");

@@ -15,7 +15,7 @@
 namespace mixrig::board {
 namespace {
 
-/// uvcvideo has a second node for metadata.
+/// Whether the node delivers pictures; uvcvideo has a second node for metadata.
 bool captures(const std::string& path) {
   const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
   if (file < 0) return false;

@@ -10,10 +10,10 @@
 
 namespace mixrig::board {
 
-/// Plugs a camera in, after the port's previous device has disappeared, and waits for its node.
-/// Empty, with a test failure, when it did not appear.
+/// Plugs a camera in, after the port's previous device has disappeared, and waits for its device
+/// file. Returns its path; if it does not appear, an empty string, with a test failure.
 std::string plug_camera(VhciPort& port, const UsbDevice& device);
-/// The camera exists and delivers pictures.
+/// Whether the device file `path` exists and delivers pictures.
 bool has_node(const std::string& path);
 
 /// Plugs a serial line in, after the previous device at `node` has disappeared, and waits for it.
@@ -27,7 +27,7 @@ struct UvcBench {
   UvcDevice device{{320, 180}};
   VhciPort port{0, device};
   std::string node;
-  /// False, with a test failure, when it did not appear.
+  /// Returns false, with a test failure, if the camera does not appear.
   bool plug();
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The delay of the whole rig, by a lamp on a trigger line that the colour camera sees.
+// The delay of the whole rig, measured with a lamp on a trigger line that the colour camera sees.
 #include <cmath>
 #include <fstream>
 
@@ -16,7 +16,7 @@ TEST_F(Rig, ALampOnATriggerLineTellsTheDelayThatTheStampsTell) {
   if (run("mixrig bench --help").status != 0) GTEST_SKIP() << "bench needs a build with the studio";
   std::ofstream(kConfig, std::ios::app) << "[[trigger.line]]\nline = " << kLampLine
                                         << "\ndivider = " << kLampDivider << "\nwidth_ms = 310\n";
-  HostTime lit_at{-kLit};  // of the trigger's thread
+  HostTime lit_at{-kLit};  // used by the trigger's thread alone
   rig_.set_look([&](int line, device::PanTiltAngles, HostTime now) {
     if (line == kLampLine) lit_at = now;
     if (line != kColorLine) return;

@@ -73,12 +73,13 @@ TEST_F(Rig, IsComposited) {
   const Json report = read_json("/tmp/out/report.json");
   EXPECT_EQ(report["frames"], 25);
   const auto& live = report["live"];
-  // Colour and depth: the scene uses neither the fisheye nor a second colour camera.
+  // The streams are colour and depth: the scene uses neither the fisheye nor a second colour
+  // camera.
   EXPECT_EQ(live["streams"].size(), 2U) << live["streams"];
   for (const char* count : {"ticks_lost", "trigger_errors", "pan_tilt_errors"})
     EXPECT_EQ(live[count], 0) << count;
-  // The one emulated processor composites before it writes: what the writer is too slow for is
-  // told.
+  // The one emulated processor composites before it writes; frames that the writer is too slow for
+  // are reported as dropped.
   const int written = read_all("/tmp/out/composite");
   const int left_out = report["sinks"][0]["dropped"];
   EXPECT_EQ(written + left_out, 25);

@@ -19,7 +19,8 @@ namespace {
 
 constexpr int kFrames = 100, kFarthest_steps = 350;  // 18 degrees to either side
 
-/// Axes that intersect in the target camera; at angles zero it has the world's axes.
+/// A calibration whose axes intersect in the target camera; at angles zero the camera has the
+/// world's axes.
 calibration_file::Calibration centred_chain(const VirtualRig& rig) {
   calibration_file::Calibration known;
   geometry::CameraModel target, tof;
@@ -69,7 +70,7 @@ double red_px(const Image<Rgb8>& picture) {
   return sum / count;
 }
 
-/// For each line, whether the frame has a pose.
+/// Reads poses; for each line, whether the frame has a pose.
 std::vector<bool> frames_with_pose(const char* path) {
   std::ifstream in(path);
   std::vector<bool> known;
@@ -134,8 +135,8 @@ TEST_F(Rig, APanningHeadIsFollowedAndTheObjectStays) {
   EXPECT_GT(high_px - low_px, 50) << "the head has turned";
   // The mask has whole pixels, the unit's steps are 0.12 px.
   EXPECT_LT(most_px, 0.75);
-  // Answers of the unit are 70 ms apart, and it turns back at once at 0.22 rad/s: what is between
-  // two answers is off by 0.22 * 0.035 rad at most, 1.08 px.
+  // Answers of the unit are 70 ms apart, and it reverses at once at 0.22 rad/s: an angle between
+  // two answers is off by at most 0.22 * 0.035 rad, 1.08 px.
   EXPECT_LT(worst_px, 1.8);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command sweeps the emulated pan-tilt unit through the box room, which both cameras see at the
-// angles that it has; the room that is written is held against the box.
+// unit's current angles; the written room is compared with the box.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -22,12 +22,12 @@ constexpr const char *kBoxRoom = "/tmp/box", *kBoxSweep = "/tmp/box.sweep";
 constexpr const char* kBoxCalibration = "/tmp/box.toml";
 constexpr int kFieldPan_deg = 100, kFieldTilt_deg = 60, kBoxViewFrames = 4;
 
-/// Shows the cameras the room. After each move the head swings for some tenths of a second, which
-/// its encoders do not see. Pictures are drawn only where something has changed.
+/// Shows the cameras the room. After each move the head oscillates for some tenths of a second,
+/// which its encoders do not measure. Pictures are drawn only where something has changed.
 class BoxLook {
  public:
   explicit BoxLook(VirtualRig& rig) : rig_(rig) {
-    draw(kColorLine, {}), draw(kDepthLine, {});  // the ToF camera says what its steps mean
+    draw(kColorLine, {}), draw(kDepthLine, {});  // the ToF camera then reports what its steps mean
   }
   void operator()(int line, device::PanTiltAngles at, HostTime now) {
     if (at.pan_rad != at_.pan_rad || at.tilt_rad != at_.tilt_rad) at_ = at, moved_ = now;
@@ -88,7 +88,7 @@ std::string text_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// How far the painted colours are from the walls', in steps of luma and chroma: medians.
+/// Median differences of the written colours from the walls', in steps of luma and chroma.
 struct ColorErrors {
   double luma = 0, chroma = 0;
 };
@@ -117,7 +117,7 @@ ColorErrors color_errors(const Image<Rgb8>& color) {
   return {median(luma), median(chroma)};
 }
 
-/// Holds the written room against the box.
+/// Compares the written room with the box.
 void expect_the_box() {
   const auto channels = image_io::read_exr(std::string(kBoxRoom) + "/room.exr");
   ASSERT_TRUE(channels) << to_line(channels.error());
@@ -176,14 +176,14 @@ TEST_F(Rig, ScanHasTheLengthsOfTheRoom) {
   EXPECT_FALSE(fs::exists(kBoxSweep));
 }
 
-/// Whether the last picture of a view has been written.
+/// Whether the last picture of view `number` has been written.
 bool has_view(int number) {
   char name[32];
   std::snprintf(name, sizeof name, "/color/%06d.png", number * kBoxViewFrames);
   return fs::exists(kBoxSweep + std::string(name));
 }
 
-/// Of the folder of the sweep, read as a take.
+/// Number of views in the folder of the sweep, read as a take.
 int views_kept() {
   const auto take = take::TakeReader::open(kBoxSweep);
   EXPECT_TRUE(take);

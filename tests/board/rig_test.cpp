@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command on the whole rig: rig init, diag without faults and with one fault at a time, and a
+// The command on the whole rig: rig init; diag without faults and with one fault at a time; and a
 // take in which every frame is checked to belong to its tick.
 #include <cstdlib>
 #include <set>
@@ -87,7 +87,7 @@ TEST_F(Rig, EveryFrameOfATakeBelongsToItsTick) {
   const Json report = read_json(kReport);
   const int frames = report["frames"];
   EXPECT_GE(frames, duration_s * 25 - 2);
-  // The colour camera may be paired one frame before the ToF camera; within the take none is
+  // The colour camera may be paired one frame before the ToF camera; within the take no frame is
   // missing.
   EXPECT_LE(report["left_out"].get<int>(), 1);
   EXPECT_EQ(report["dropped_sets"], 0);
@@ -117,7 +117,8 @@ TEST_F(Rig, EveryFrameOfATakeBelongsToItsTick) {
   auto take = take::TakeReader::open("/tmp/take");
   ASSERT_TRUE(take) << to_line(take.error());
   capture::Capture frame;
-  std::set<long> ties;  // camera's own number less tick: one for all, or a frame is mispaired
+  std::set<long>
+      ties;  // camera's own number minus tick: one value for all, or a frame is mispaired
   int steps = 0;
   for (int number = 1; number <= frames; ++number) {
     ASSERT_TRUE(take->read(number, frame));

@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kRequest = "/host/screen/request";
 constexpr const char* kPicture = "/host/screen/picture.png";
 
-/// The peer removes the request when it is done.
+/// Writes a request for the peer, which removes it when it is done.
 Result<void> ask_peer(const std::string& words) {
   const std::string made = std::string(kRequest) + ".new";
   std::ofstream(made) << words << "\n";

@@ -13,13 +13,13 @@ namespace mixrig::board {
 
 /// Whether this boot has a screen, and the peer runs.
 bool has_screen();
-/// What is on the screen. Errors: kTimeout where the peer does not answer; those of read_png.
+/// The picture on the screen. Errors: kTimeout where the peer does not answer; those of read_png.
 Result<Image<Rgb8>> screenshot();
 /// Presses and releases a key, by its name in QEMU ("2", "q", "spc"). Errors: kTimeout.
 Result<void> press(const std::string& key);
 
-/// Pixels of the upper `rows` of which a channel differs by more than 2 of 255, which is what
-/// processors differ by; all where the sizes differ.
+/// Number of pixels of the upper `rows` rows in which a channel differs by more than 2 of 255
+/// (processors differ by up to 2); the number of all pixels where the sizes differ.
 std::size_t differing(const Image<Rgb8>& a, const Image<Rgb8>& b, int rows);
 
 }  // namespace mixrig::board

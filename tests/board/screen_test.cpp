@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The viewfinder on the board's own screen: kernel mode setting, no desktop. The display is as
-// large as the picture, so that the two are compared pixel by pixel.
+// The viewfinder on the board's own screen: kernel mode setting, no desktop. The display has the
+// picture's size, so that the two are compared pixel by pixel.
 #include "tests/board/screen.h"
 
 #include <algorithm>
@@ -31,7 +31,8 @@ class Screen : public ::testing::Test {
   void SetUp() override {
     if (!has_screen()) GTEST_SKIP() << "this boot has no screen";
   }
-  /// In the upper `rows`: below them the viewfinder names views other than the composite.
+  /// Waits until the upper `rows` of the screen are `wanted`. Below them the viewfinder writes the
+  /// name of views other than the composite.
   static bool shows(const Image<Rgb8>& wanted, int rows) {
     return wait_until(
         [&] {

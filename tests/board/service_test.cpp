@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The services of the package under the guest's systemd, which started mixrig.service at boot: on a
-// recording that is played as a rig, in /etc/mixrig. The watchdog is set to 8 s (before_boot).
+// The services of the package under the guest's systemd, which started mixrig.service at boot with
+// a recording that is played as a rig, in /etc/mixrig. The watchdog is set to 8 s (before_boot).
 #include <algorithm>
 #include <filesystem>
 #include <sstream>
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr auto kStart = 120s;
 constexpr const char* kPage = "http://127.0.0.1:8437";
 
-/// For what a program is asked for.
+/// Waits for conditions that are checked by running a program; polls every 300 ms.
 bool eventually(const std::function<bool()>& done, Duration timeout) {
   return wait_until(done, timeout, 300ms);
 }
@@ -46,7 +46,8 @@ class Service : public ::testing::Test {
   void TearDown() override {
     if (HasFailure()) std::printf("%s\n", journal().c_str());
   }
-  /// After `spoil` the service starts again by itself, as another process.
+  /// Runs `spoil` with the service's process id, and expects that the service restarts by itself as
+  /// another process.
   static void expect_restart(const std::string& spoil) {
     const std::string before = property("mixrig", "MainPID");
     const int restarted = restarts();

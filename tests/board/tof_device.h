@@ -25,7 +25,7 @@ enum class TofFault {
 
 class TofDevice final : public UsbDevice {
  public:
-  /// Free running at `rate_hz`; waits for fire() where that is 0.
+  /// Sends frames at `rate_hz`; if that is 0, one frame for each call of fire().
   TofDevice(Size size, double rate_hz);
 
   const UsbDescriptors& descriptors() const override { return descriptors_; }
@@ -35,16 +35,16 @@ class TofDevice final : public UsbDevice {
   void clear_halt() override;
   void configured() override;
 
-  /// For any thread: an edge on the trigger line. The caller wakes the port.
+  /// An edge on the trigger line. The caller wakes the port. Thread-safe.
   void fire(std::uint32_t number);
-  /// For any thread: one of the next frames has this fault.
+  /// Gives one of the next frames this fault. Thread-safe.
   void fail_next(TofFault fault);
-  /// For any thread: every n-th frame has this fault; 0 none.
+  /// Gives every n-th frame this fault; 0: no frame. Thread-safe.
   void fail_every(int n, TofFault fault);
-  /// For any thread: frames from the next one on have these distances along the ray, in steps of a
-  /// millimetre, row by row, and no code. Call it once before the host opens the device.
+  /// Sets the distances along the ray of all following frames, in steps of a millimetre, row by
+  /// row; such frames have no code. Thread-safe. Call it once, before the host opens the device.
   void show(std::vector<std::uint16_t> steps);
-  /// Depth of all pixels but the first, in steps of a millimetre, before show().
+  /// Depth of all pixels but the first in frames without show(), in steps of a millimetre.
   static int step_at(int x, int y) { return 500 + x + 2 * y; }
 
  private:
@@ -58,7 +58,7 @@ class TofDevice final : public UsbDevice {
   UsbDescriptors descriptors_;
   std::mutex mutex_;  ///< guards the members below
   std::vector<std::uint8_t> frame_;
-  std::vector<std::uint16_t> shown_;  ///< empty: step_at() and a code
+  std::vector<std::uint16_t> shown_;  ///< if empty, frames show step_at() and a code
   std::size_t sent_ = 0;
   bool streaming_ = false, halted_ = false, end_ = false;
   HostTime due_{};

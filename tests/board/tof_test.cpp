@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The usb driver on a ToF camera with all faults of its link.
+// The usb driver with a ToF camera that shows all faults of its link.
 #include "hal/linux/tof_usb_camera.h"
 #include "tests/board/bench.h"
 #include "tests/board/tof_device.h"
@@ -28,7 +28,8 @@ class TofUsb : public ::testing::Test {
     if (camera_) camera_->stop();
   }
 
-  /// One frame is damaged; the stream continues, and every frame marked complete is correct.
+  /// One frame is damaged. The stream must continue, and every frame marked complete must be
+  /// correct.
   void check_fault(TofFault fault, std::uint64_t incomplete) {
     const auto before = camera_->health();
     device_.fail_next(fault);

@@ -9,7 +9,8 @@ void TriggerPeer::plugged(HostTime now) {
   begin_ = now;
 }
 
-/// The board's slots of 0.1 ms are processed once per tick; their times are exact nevertheless.
+/// Advances the board to `now`. Its slots of 0.1 ms are processed once per tick; the times of edges
+/// are exact nevertheless.
 void TriggerPeer::advance(HostTime now) {
   const auto time_us =
       static_cast<std::uint64_t>(static_cast<double>((now - begin_).count()) * rate_ / 1000);
@@ -18,7 +19,7 @@ void TriggerPeer::advance(HostTime now) {
     if (edge.high)
       on_edge_(edge.channel, static_cast<std::uint32_t>(edge.time_us / kMasterTick_us));
   if (reset_ && time_us / kMasterTick_us * kMasterTick_us + kMasterTick_us / 10 > time_us) {
-    board_->reset(protocol::ResetCause::kPin);  // at a tick, so that ticks stay where they were
+    board_->reset(protocol::ResetCause::kPin);  // at a tick, so that ticks keep their times
     reset_ = false;
   }
 }

@@ -27,7 +27,7 @@ class TriggerPeer final : public SerialPeer {
   void transmit_ready(std::vector<std::uint8_t>& out, HostTime now) override;
   std::optional<HostTime> next_event() override;
 
-  /// For any thread: presses the reset button.
+  /// Presses the reset button. Thread-safe.
   void reset();
 
  private:

@@ -40,8 +40,8 @@ class UsbDevice {
   /// Bytes for an OUT endpoint.
   virtual void receive(int /*endpoint*/, std::span<const std::uint8_t> /*bytes*/) {}
   /// Fills one transfer of an IN endpoint, or one packet of an isochronous transfer. Returns its
-  /// bytes, kUsbStall, or kUsbWait while there is nothing to send; of an isochronous packet also
-  /// kUsbLost. Packets behind kUsbWait in a transfer that has some are empty.
+  /// bytes, kUsbStall, or kUsbWait while there is nothing to send; for an isochronous packet also
+  /// kUsbLost. After kUsbWait, the remaining packets of a transfer that already has some are empty.
   virtual int transmit(int /*endpoint*/, std::span<std::uint8_t> /*room*/, HostTime /*now*/) {
     return kUsbWait;
   }

@@ -17,16 +17,16 @@ namespace mixrig::board {
 namespace {
 
 constexpr int kCamera = 1, kProcessing = 2, kOutput = 3, kTrigger = 4;  // units
-constexpr int kTriggerMode = 1;                                         // selector of the last one
+constexpr int kTriggerMode = 1;  // selector of the trigger unit
 constexpr std::size_t kPayload = 16384, kPayloadHeader = 2;
-constexpr std::uint32_t kDefaultInterval = 333333;  // of 100 ns: 30 Hz
+constexpr std::uint32_t kDefaultInterval = 333333;  // in units of 100 ns: 30 Hz
 constexpr std::uint8_t kGuid[16] = {'m', 'i', 'x', 'r', 'i', 'g', '-', 't',
                                     'r', 'i', 'g', 'g', 'e', 'r', '-', '1'};
 constexpr std::uint8_t kBlack = 16, kWhite = 235, kNoColor = 128;
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Descriptors grow by little-endian numbers.
+/// Appends little-endian numbers to a descriptor.
 struct Writer {
   Bytes& out;
   Writer& u8(std::initializer_list<int> values) {
@@ -41,7 +41,7 @@ struct Writer {
   }
 };
 
-/// VideoControl: camera -> processing -> extension -> USB.
+/// VideoControl interface: camera -> processing -> extension -> USB.
 Bytes control_interface() {
   Bytes units;
   Writer u{units};
@@ -58,7 +58,7 @@ Bytes control_interface() {
   return out;
 }
 
-/// VideoStreaming: YUY2 of one size at 60, 30, 25 and 10 Hz over bulk endpoint 1.
+/// VideoStreaming interface: YUY2 of one size at 60, 30, 25 and 10 Hz over bulk endpoint 1.
 Bytes stream_interface(Size size) {
   const std::size_t bytes = size.area() * 2;
   Bytes formats;

@@ -19,7 +19,7 @@ namespace mixrig::board {
 
 inline constexpr int kCodeBits = 16, kCodeBlock_px = 8;
 
-/// The number in the upper left corner of a picture; bit by bit, white is 1.
+/// Reads the number in the upper left corner of a picture, bit by bit; white is 1.
 int read_code(const Image<Rgb8>& picture);
 
 class UvcDevice final : public UsbDevice {
@@ -32,16 +32,16 @@ class UvcDevice final : public UsbDevice {
   std::optional<HostTime> next_event() override;
   void configured() override;
 
-  /// For any thread: an edge on the trigger line. The caller wakes the port.
+  /// An edge on the trigger line. The caller wakes the port. Thread-safe.
   void fire(std::uint32_t number);
-  /// For any thread: pictures from the next one on have these luminances in each row below the
-  /// code.
+  /// Sets the luminances by column, in each row below the code, of all following pictures.
+  /// Thread-safe.
   void show(std::vector<std::uint8_t> columns);
-  /// For any thread: pictures from the next one on are this one (YUYV), without a code.
+  /// Sends this picture (YUYV), without a code, from the next one on. Thread-safe.
   void show_picture(std::vector<std::uint8_t> yuyv);
   /// Ignores every n-th edge of the trigger line; 0: none.
   void miss_every(int n);
-  /// Steps of a control as the host last set it: 1 camera terminal, 2 processing unit.
+  /// Value of a control as the host last set it. `unit`: 1 camera terminal, 2 processing unit.
   int value(int unit, int selector) const;
 
  private:
@@ -63,8 +63,8 @@ class UvcDevice final : public UsbDevice {
   std::array<std::uint8_t, 34> probe_{};
   Duration interval_{};
   std::vector<std::uint8_t> picture_;
-  std::vector<std::uint8_t> columns_;  ///< to show; empty: the ramp
-  std::vector<std::uint8_t> shown_;    ///< a whole picture; empty: the code and what is below it
+  std::vector<std::uint8_t> columns_;  ///< luminances to show; if empty, a ramp
+  std::vector<std::uint8_t> shown_;    ///< whole picture to show; if empty, code and columns
   std::size_t sent_ = 0;
   bool streaming_ = false, toggle_ = false;
   HostTime due_{};

@@ -27,7 +27,7 @@ TEST(Uvc, ExposureGainFocusAndWhiteBalanceReachTheCamera) {
   ASSERT_TRUE((*camera)->set(CameraControl::kGain, 7));
   ASSERT_TRUE((*camera)->set(CameraControl::kWhiteBalance, 5200));
   EXPECT_EQ(bench.device.value(1, 2), 1);    // manual exposure
-  EXPECT_EQ(bench.device.value(1, 4), 125);  // of 0.1 ms
+  EXPECT_EQ(bench.device.value(1, 4), 125);  // in units of 0.1 ms
   EXPECT_EQ(bench.device.value(1, 6), 55);
   EXPECT_EQ(bench.device.value(2, 4), 7);
   EXPECT_EQ(bench.device.value(2, 10), 5200);

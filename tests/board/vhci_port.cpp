@@ -21,13 +21,13 @@ namespace {
 
 constexpr const char* kAttach = "/sys/devices/platform/vhci_hcd.0/attach";
 constexpr std::uint32_t kSubmit = 1, kUnlink = 2, kSubmitted = 3, kUnlinked = 4;
-constexpr int kCancelled = -104;  // ECONNRESET, what the kernel expects of an unlinked transfer
+constexpr int kCancelled = -104;  // ECONNRESET, which the kernel expects for an unlinked transfer
 constexpr std::size_t kLongestTransfer = 2 << 20;
 constexpr std::uint32_t kNoPackets = 0xFFFFFFFF, kMostPackets = 1024;
 constexpr std::uint8_t kGetStatus = 0, kClearFeature = 1, kGetDescriptor = 6, kGetConfiguration = 8,
                        kSetConfiguration = 9, kGetInterface = 10, kSetInterface = 11;
 
-/// usbip_iso_packet_descriptor: big-endian words.
+/// The kernel's usbip_iso_packet_descriptor: big-endian words.
 struct IsoPacket {
   std::uint32_t offset, length, actual, status;
 };
@@ -36,7 +36,7 @@ HostTime now() { return SystemClock().now(); }
 
 }  // namespace
 
-/// usbip_header: big-endian words, except the setup packet.
+/// The kernel's usbip_header: big-endian words, except the setup packet.
 struct VhciPort::Header {
   std::uint32_t command, sequence, device, in, endpoint;
   union {
@@ -79,7 +79,7 @@ Result<void> VhciPort::plug() {
   return {};
 }
 
-/// A port is busy for a while after its device was unplugged.
+/// Gives the kernel its end of the line. A port stays busy for a while after an unplug.
 Result<void> VhciPort::attach(int kernel_end) {
   const std::string text = std::to_string(number_) + " " + std::to_string(kernel_end) + " " +
                            std::to_string(0x10000 + number_ + 2) + " " +
@@ -187,7 +187,7 @@ bool VhciPort::submit(const Header& header) {
   return complete(sequence, 0, length, false);
 }
 
-/// The lengths of the packets of an isochronous transfer, which follow its header.
+/// Reads the packet lengths of an isochronous transfer, which follow its header.
 bool VhciPort::read_packets(std::uint32_t count, std::uint32_t length,
                             std::vector<std::uint32_t>& to) {
   std::uint64_t sum = 0;
@@ -250,7 +250,7 @@ bool VhciPort::pump() {
   return true;
 }
 
-/// Data without the gaps of short packets, then the packets' descriptors.
+/// Sends the data without the gaps of short packets, then the packets' descriptors.
 bool VhciPort::send_packets(int endpoint, const Transfer& transfer, bool& waits) {
   std::vector<IsoPacket> packets;
   std::size_t offset = 0, sent = 0;

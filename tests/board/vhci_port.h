@@ -15,10 +15,11 @@
 
 namespace mixrig::board {
 
-/// Needs root and the module vhci-hcd. plug() and unplug() are for one thread.
+/// A device plugged into a virtual port. Needs root and the module vhci-hcd. plug() and unplug()
+/// are for one thread.
 class VhciPort {
  public:
-  /// `device` must outlive the port; `number` is 0 to 14, of devices of one speed.
+  /// `device` must outlive the port. `number`: port 0 to 14 among those of the device's speed.
   VhciPort(int number, UsbDevice& device);
   ~VhciPort();
   VhciPort(const VhciPort&) = delete;
@@ -29,7 +30,7 @@ class VhciPort {
   /// Unplugs the cable. Does nothing when it is not plugged in.
   void unplug();
   bool plugged() const { return thread_.joinable(); }
-  /// The device has data to send now. For any thread at any time.
+  /// Reports that the device has data to send now. Thread-safe.
   void wake();
 
  private:
@@ -37,7 +38,7 @@ class VhciPort {
   struct Transfer {
     std::uint32_t sequence = 0;
     std::uint32_t length = 0;
-    std::vector<std::uint32_t> packets{};  ///< lengths, of an isochronous transfer
+    std::vector<std::uint32_t> packets{};  ///< lengths of an isochronous transfer's packets
   };
   static constexpr int kEndpoints = 5;
 

@@ -38,16 +38,16 @@ struct VirtualRig {
   test::TurningRoom room{140, 79.5};  ///< what the colour camera sees after show_room()
 
   ~VirtualRig();
-  /// False, with a test failure, when something did not appear.
+  /// Returns false, with a test failure, if a device does not appear.
   bool plug();
   bool plug_color();
   bool plug_depth();
   bool plug_head();
-  /// Called at the rising edge of a trigger line, before its camera is fired, on the trigger's
-  /// thread, with the angles that the head has: shows the camera what it sees. It delays the
-  /// camera.
+  /// Called on the trigger's thread at the rising edge of a trigger line, before its camera is
+  /// fired, with the angles of the head; it shows the camera what it sees. The camera is delayed
+  /// until it returns.
   using Look = std::function<void(int line, device::PanTiltAngles at, HostTime now)>;
-  /// For any thread: from now on.
+  /// Sets the callback for the following edges. Thread-safe.
   void set_look(Look look);
   /// From now on the colour camera sees the room at the head's angle when it is fired.
   void show_room();

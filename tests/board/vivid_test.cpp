@@ -47,7 +47,7 @@ TEST(Vivid, StreamsEveryFormatThatItOffers) {
   }
 }
 
-/// Loads the module again, single-planar (1) or multi-planar (2).
+/// Reloads the module as single-planar (1) or multi-planar (2).
 void load_vivid(int planar) {
   const Ran ran =
       run("modprobe -r vivid && modprobe vivid n_devs=1 node_types=0x1 num_inputs=1 "

@@ -75,7 +75,7 @@ def records(page, rig, mixrig):
     info = subprocess.run([mixrig, "info", shot / "composite"], check=True, capture_output=True, text=True).stdout
     assert "640x512" in info, info
     print(f"recorded {note['frames']:.0f} frames in {note['seconds']:.1f} s, {note['lost']:.0f} lost")
-    # The name is taken now: the page says so.
+    # The name exists now: the page reports it.
     by_id(page, "record").click()
     comes_true("the refusal", lambda: "exists" in by_id(page, "message").text)
 

@@ -101,7 +101,7 @@ Picture.drawn = function (...all) {
   done(ages);
 };"""
 
-# Difference of the canvas to the JPEG of the frame that it says to be.
+# Difference between the canvas and the JPEG of the frame that it states.
 SAME_FRAME = """
 const done = arguments[0], jpegs = new Map(), videos = new Map(), drawn = Picture.drawn, stop = new AbortController();
 const pixels = image => {

@@ -27,7 +27,8 @@ STUDIO_TAKE = pathlib.Path(__file__).parent.parent / "support/studio_take"
 LIMIT_S = 120  # for what hangs; a loaded machine is slow
 
 
-# What is asked of the page, the scene or the state may not be there yet, or be replaced while it is read.
+# Errors of requests for parts of the page, scene or state that do not exist yet or are being
+# replaced.
 NOT_YET = (WebDriverException, LookupError, StopIteration, OSError)
 
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the measures are worth: plain composites, a lamp removed and a key without colour are each
-// worse than the compositor in the measure that is theirs.
+// Validates the measures: plain composites, a composite without one lamp and a key without colour
+// must each be worse than the compositor in the measure made for that defect.
 #include <gtest/gtest.h>
 
 #include "tests/e2e/command.h"
@@ -59,7 +59,8 @@ TEST_F(BaselinesRun, PlainCompositesAndWrongOnesAreWorseInTheirOwnMeasure) {
   EXPECT_GT(of(ideal.at("contested"), "color_psnr_db"), of(contested, "color_psnr_db"));
   EXPECT_TRUE(ideal.at("key_iou").is_null());
 
-  // What is contested does not depend on who is judged, and is a small part of the picture.
+  // The hard pixels ("contested") do not depend on the composite that is measured, and are a small
+  // part of the picture.
   for (const auto& [name, baseline] : report.at("baselines").items())
     EXPECT_EQ(of(baseline.at("contested"), "pixels_pct"), of(contested, "pixels_pct")) << name;
   EXPECT_LT(of(contested, "pixels_pct"), 50);

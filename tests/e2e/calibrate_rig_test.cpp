@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bent board of the studio through mixrig calibrate rig and tof, compared with the truth.
+// `mixrig calibrate rig` and `calibrate tof` on a bent board of the studio, compared with the
+// truth.
 #include <cmath>
 
 #include "tests/e2e/rig_error.h"
@@ -31,7 +32,7 @@ TEST_F(CalibrateRig, finds_rig_and_bend_and_reports_a_square_of_the_wrong_size) 
     EXPECT_LT(2 * off_mm(cameras.at(name), pose), off_mm(found.at("by_corners").at(name), pose))
         << name;
   }
-  // The fisheye of 185 degrees ends at the rim of its image circle.
+  // The fisheye of 185 degrees: its limit is the rim of its image circle.
   const std::string written = text_of_file(out), key = "max_angle_rad = ";
   ASSERT_NE(written.find(key), std::string::npos);
   EXPECT_NEAR(std::stod(written.substr(written.find(key) + key.size())) * 180 / M_PI, 92.5, 0.3);
@@ -40,7 +41,7 @@ TEST_F(CalibrateRig, finds_rig_and_bend_and_reports_a_square_of_the_wrong_size) 
   const json& depth = found.at("depth_error");
   EXPECT_LT(depth.at("held_out_mm").get<double>(), 0.6 * depth.at("uncorrected_mm").get<double>());
 
-  // The same views with squares of another size: nothing is written and the old file is kept.
+  // If the views state another size of the squares, nothing is written and the old file is kept.
   const std::string before = text_of_file(out);
   std::string text = text_of_file(path("set/views.toml"));
   ASSERT_NE(text.find("square_mm = 70"), std::string::npos);
@@ -51,7 +52,7 @@ TEST_F(CalibrateRig, finds_rig_and_bend_and_reports_a_square_of_the_wrong_size) 
             1);
   EXPECT_NE(error_line.find("square"), std::string::npos) << error_line;
   EXPECT_EQ(text_of_file(out), before);
-  // Pictures of one camera under the name of another: their size is wrong.
+  // Pictures of one camera under the name of another have the wrong size.
   text = text_of_file(path("set/views.toml"));
   std::ofstream(path("set/views.toml"))
       << text.replace(text.find("target/%06d.png"), 15, "fisheye/%06d.png");

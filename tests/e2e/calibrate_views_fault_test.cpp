@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// mixrig calibrate views with played cameras: Ctrl-C and a camera that fails, in the middle.
+// `mixrig calibrate views` with played cameras: Ctrl-C and a camera that fails during the job.
 #include <csignal>
 
 #include "tests/e2e/rig_error.h"
@@ -11,7 +11,7 @@ namespace {
 
 class CalibrateViewsFault : public RefusingCommandTest {
  protected:
-  /// A take of a board in the hands of a person, and a rig.toml that plays it.
+  /// Makes a take of a board that a person holds, and a rig.toml that plays it.
   void make_played_board() {
     ASSERT_EQ(
         studio("take",
@@ -28,7 +28,7 @@ class CalibrateViewsFault : public RefusingCommandTest {
     return "calibrate views " + path("views") + " --rig " + path("rig.toml") +
            " --board checkerboard:9x6:70mm --frames 3 --json " + path("v.json");
   }
-  /// All pictures of all views are there.
+  /// Number of views whose pictures are all there.
   int whole_views() const {
     int views = 0;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(path("views"))) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A board in the hands of a person, through mixrig calibrate views and calibrate rig; a board
-// before a unit that turns, through calibrate views --turn and calibrate ptu; and what is refused.
+// A board held by a person, through `mixrig calibrate views` and `calibrate rig`; a board before a
+// unit that turns, through `calibrate views --turn` and `calibrate ptu`; and refused inputs.
 #include <cmath>
 #include <filesystem>
 
@@ -30,7 +30,8 @@ TEST_F(CalibrateViews, OfABoardHeldByHandAreKeptOnce) {
   EXPECT_TRUE(std::filesystem::exists(path("views/coverage.png")));
 }
 
-/// The views of a hand, as they are, calibrate the rig; another board is not found in them.
+/// Views of a hand-held board calibrate the rig without changes; another board is not found in
+/// them.
 TEST_F(CalibrateViews, OfABoardHeldByHandCalibrateTheRigAndAnotherBoardIsRefused) {
   ASSERT_EQ(studio("take",
                    "--plain --scenario board --hand --rig sr3000 --seed 7 --views 9 --size 320x256"
@@ -71,7 +72,7 @@ TEST_F(CalibrateViews, OfATurningUnitCalibrateItAndRadiansAreRefused) {
                    " --turn auto --turn-views 8 --frames 3"),
             0);
   ASSERT_EQ(mixrig("calibrate ptu " + path("turn")), 0);
-  // The same angles in radians under a header that says degrees.
+  // An angle file in radians whose header says degrees.
   std::ifstream in(path("turn/ptu.csv"));
   std::string line, text;
   std::getline(in, line);

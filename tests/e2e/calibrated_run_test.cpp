@@ -14,7 +14,7 @@ namespace {
 
 class CalibratedRun : public CommandTest {
  protected:
-  /// depth_mae_mm and key_iou of a run on "take".
+  /// Runs "take" and returns depth_mae_mm and key_iou.
   std::pair<double, double> errors(const std::string& words) {
     EXPECT_EQ(mixrig("run " + path("take/scene.toml") + " --source take:" + path("take") +
                      " --out " + path("out") + " --backend cpu --format none --json " +

@@ -39,12 +39,13 @@ class CommandTest : public ::testing::Test {
 
   /// Exit status of `mixrig WORDS`, its output kept out of the log unless it fails.
   int mixrig(const std::string& words) const { return shell(MIXRIG_COMMAND " " + words); }
-  /// A take of the studio in folder `name`; what any test of this build has rendered is copied.
+  /// Renders a studio take into folder `name`. A take that another test of this build has rendered
+  /// with the same options is copied.
   int studio(const std::string& name, const std::string& options) const {
     return shell(std::string(MIXRIG_STUDIO_TAKE " " MIXRIG_COMMAND " ") + path(name) + " " +
                  options);
   }
-  /// What the command says where it must fail.
+  /// Runs a command that must fail, and returns its output.
   std::string refusal(const std::string& words) const {
     const std::string line =
         std::string(MIXRIG_COMMAND) + " " + words + " >" + path("refusal") + " 2>&1";

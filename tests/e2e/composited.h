@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sink that says which frames were composited, and with which poses.
+// A sink that reports which frames were composited, and with which poses.
 #pragma once
 
 #include <chrono>
@@ -11,7 +11,7 @@
 
 namespace mixrig::test {
 
-/// Frames that were composited so far, and their poses.
+/// Collects the poses of the frames that were composited so far.
 class Composited final : public output::CompositeSink {
  public:
   explicit Composited(std::map<int, capture::CameraPose>& poses) : poses_(poses) {}
@@ -29,7 +29,7 @@ class Composited final : public output::CompositeSink {
     const std::lock_guard lock(mutex_);
     return count_;
   }
-  /// False after two minutes.
+  /// Waits until frame `number` was composited; false after two minutes.
   bool wait_for(int number) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, std::chrono::minutes(2), [&] { return last_ >= number; });

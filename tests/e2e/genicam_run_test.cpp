@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Studio takes sent by two emulated GigE Vision cameras, one of them 3D with amplitude: recorded,
-// views chosen, the rig calibrated, and a walk composited with that calibration. Each figure stands
-// beside the same one from the take itself. Run it by own_network.sh.
+// Studio takes are sent by two emulated GigE Vision cameras, one of them 3D with amplitude: they
+// are recorded, views are chosen, the rig is calibrated, and a walk is composited with that
+// calibration. Each figure is compared with the one of the take itself. Run it by own_network.sh.
 #include <cstdio>
 #include <map>
 #include <thread>
@@ -19,7 +19,7 @@ using nlohmann::json;
 namespace fs = std::filesystem;
 
 constexpr double kRate_hz = 10;
-constexpr int kLimit_s = 300;  // of a recording, on a loaded machine
+constexpr int kLimit_s = 300;  // of a recording; long enough for a loaded machine
 
 class GenicamRun : public CommandTest {
  protected:
@@ -49,7 +49,7 @@ class GenicamRun : public CommandTest {
     EXPECT_EQ(recorder.wait(), 0) << text_of_file(path("record.log"));
     return *std::move(cameras);
   }
-  /// key_iou, depth_mae_mm of a run.
+  /// Runs a scene and returns key_iou and depth_mae_mm.
   std::pair<double, double> composited(const std::string& scene, const std::string& take,
                                        const std::string& more = "") const {
     EXPECT_EQ(
@@ -70,7 +70,8 @@ class GenicamRun : public CommandTest {
   }
 };
 
-/// Of each recorded frame: both cameras' counters agree, and its depth is what was sent.
+/// Expects for each recorded frame that the counters of both cameras agree and that the depth is
+/// what was sent.
 void expect_what_was_sent(const fs::path& take, const GenicamTake& cameras) {
   const auto sent = sent_frames(take, cameras);
   int whole = 0;

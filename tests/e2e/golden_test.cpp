@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares a whole composite with a stored one: finds changes that no measure shows. The stored
-// picture was inspected; after an intended change, make it again with the two commands below.
+// Compares a whole composite with a stored one, which finds changes that no measure shows. The
+// stored picture was inspected by eye; after an intended change, make it again with the two
+// commands below.
 #include <gtest/gtest.h>
 
 #include "host/math/image_io/image_io.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A room is learned from the pictures of a swinging camera, which is then found in it: in the same
-// take, on another day, after the lens was covered, and not in another room; its map is laid into a
-// scan of the room. Maps that the motion does not let join are refused; those of a carried rig are
-// joined.
+// A room is learned from the pictures of a swinging camera. The camera is then located in it in the
+// same take, on another day and after the lens was covered, but not in another room; the map is
+// aligned with a scan of the room. Maps that the motion does not let join are refused; those of a
+// carried rig are joined.
 #include "host/math/image_io/image_io.h"
 #include "tests/e2e/command.h"
 
@@ -26,7 +26,7 @@ class LearnedRun : public CommandTest {
            path("take/truth/calibration.toml") + " " + path(json + ".tum") + " --json " +
            path(json);
   }
-  /// A copy of a take with other pictures of the fisheye.
+  /// Copies a take and changes the fisheye's pictures.
   template <typename Change>
   void copy_take(const std::string& from, const std::string& to, Change&& change) const {
     std::filesystem::copy(path(from), path(to), std::filesystem::copy_options::recursive);
@@ -57,13 +57,13 @@ void cover(int number, Image<Rgb8>& picture) {
   if (number >= 6 && number < 9) picture.fill({});
 }
 
-/// The room in a mirror is another room.
+/// Mirrors the picture: a mirrored room is another room.
 void mirror(int, Image<Rgb8>& picture) {
   for (int y = 0; y < picture.height(); ++y)
     std::reverse(picture.row(y), picture.row(y) + picture.width());
 }
 
-/// Other light, another person more, the chair elsewhere; then the lens is covered for a while.
+/// Other light, one more person, the chair elsewhere; then the lens is covered for a while.
 void LearnedRun::check_another_day() const {
   ASSERT_EQ(studio("day", std::string(kRig) +
                               " --frames 60 --size 160x128 --moved-chair --lamps 0.5 --crowd 1"),
@@ -87,7 +87,8 @@ void LearnedRun::check_another_room() const {
   EXPECT_FALSE(std::filesystem::exists(path("mirrored.json.tum")));
 }
 
-/// A pendulum turns about one axis: maps of its two cameras cannot be joined, and that is said.
+/// A pendulum turns about one axis: the maps of its two cameras cannot be joined, which must be
+/// reported.
 void LearnedRun::check_join() const {
   ASSERT_EQ(learn("target"), 0);
   const std::string said = refusal("align --join " + path("joined") + " " + path("target_map") +
@@ -96,7 +97,8 @@ void LearnedRun::check_join() const {
   EXPECT_FALSE(std::filesystem::exists(path("joined")));
 }
 
-/// The map in a scan of the room: poses are those of the target camera in the world.
+/// Aligns the map with a scan of the room: the poses are then those of the target camera in the
+/// world.
 void LearnedRun::check_room() const {
   const std::string truth = path("take/truth/calibration.toml");
   const std::string words = "align " + path("fisheye_map") + " " + path("room") + " --room " +
@@ -122,8 +124,8 @@ void LearnedRun::check_room() const {
   EXPECT_LT(report("world.json").at("rms_deg").get<double>(), 0.3);
 }
 
-/// A map of each camera of a rig that is carried: the offset in time of the two is none, the
-/// rotation that of the calibration, and both are metric.
+/// Joins the maps of both cameras of a carried rig: the time offset between them is zero, the
+/// rotation is that of the calibration, and both maps are metric.
 class CarriedRun : public CommandTest {
  protected:
   void learn(const std::string& camera) const {

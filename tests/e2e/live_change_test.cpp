@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A chair stands elsewhere than in the background of a live run, and is accepted by order.
+// A chair that stands elsewhere than in the background of a live run is accepted by an order.
 #include <csignal>
 
 #include "tests/e2e/command.h"
@@ -17,14 +17,14 @@ class LiveChange : public CommandTest {
       " --scenario walk --rig kinect2 --seed 5 --size 160x128 --plain"
       " --eye 0.9,2.1,1.5 --look-at 3.9,3.2,0.7 ";
 
-  /// A take of an empty room, and one in which the chair was moved before.
+  /// Makes a take of an empty room, and one in which the chair was moved before it began.
   void make_takes() const {
     ASSERT_EQ(studio("was", std::string(kTake) + "--frames 3"), 0);
     ASSERT_EQ(mixrig("scan --static " + path("was") + " --frames 1-3 " + path("room")), 0);
     ASSERT_EQ(studio("take", std::string(kTake) + "--moved-chair --frames 120"), 0);
-    // 6 frames a second, one in five is looked at: the change is told after 4 s, learned from the
-    // nine looks after the order by second 15, so that the exchange has 9 s left on a loaded
-    // machine.
+    // At 6 frames a second, one of five is examined: the change is reported after 4 s and learned
+    // from the nine examinations after the order by second 15. The exchange then has 9 s left on a
+    // loaded machine.
     slow_down(path("take"), 5);
     std::ofstream(path("rig.toml"))
         << "format = 1\nname = \"played\"\n[[camera]]\nname = \"color\"\nuri = \"take:"
@@ -46,7 +46,7 @@ class LiveChange : public CommandTest {
 
 TEST_F(LiveChange, AnOrderWhileDevicesPlayIsFollowed) {
   make_takes();
-  // The shell's number becomes that of the command.
+  // The process id of the shell becomes that of the command.
   const std::string command = "echo $$ > " + path("pid") + "; exec " MIXRIG_COMMAND " run " +
                               path("take/before.toml") + " --source rig:" + path("rig.toml") +
                               " --change-after 1 --backend cpu --save-room " + path("accepted") +

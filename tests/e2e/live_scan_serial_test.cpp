@@ -6,7 +6,8 @@
 namespace mixrig::test {
 namespace {
 
-/// The cameras of the studio stand still, since its head is not used: what is tested is the unit.
+/// The studio's cameras stand still, since the studio's head is not used: only the unit is under
+/// test.
 TEST_F(LiveScan, ASerialUnitThatFallsSilentEndsItAndAnswersAgain) {
   PtuOnAPty unit;
   if (unit.name().empty()) GTEST_SKIP() << "no pseudo-terminal is available here";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `mixrig scan --rig` with the studio's cameras and head: interrupted, refused with another plan,
-// resumed, and held against the recorded sweep of the same seed.
+// resumed, and compared with the recorded sweep of the same seed.
 #include "tests/e2e/live_scan.h"
 
 namespace mixrig::test {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A composite driven by NatNet over the loopback: the socket is real, the time is injected. The
-// studio's take is the rig; its motion capture is sent with delay, jitter and loss, and with
+// A composite driven by NatNet over the loopback interface: the socket is real, the time is
+// injected. The studio's take is the rig; its motion capture is sent with delay, jitter, loss and
 // faults.
 #include <cmath>
 #include <fstream>
@@ -27,26 +27,26 @@ using capture::PoseLoss;
 
 constexpr double kHost_s = 500;  ///< host time of the take's first frame
 constexpr int kBody = 7;
-// The system's noise is 0.2 mm an axis and 0.02 deg about an axis, 0.35 mm and 0.035 deg in all;
-// the jitter leaves its clock unknown by 0.2 ms, in which the hand moves by less than 0.1 mm.
+// The system's noise is 0.2 mm and 0.02 deg per axis, 0.35 mm and 0.035 deg in all; the jitter
+// leaves its clock uncertain by 0.2 ms, in which the hand moves by less than 0.1 mm.
 constexpr double kNoise_mm = 0.45, kNoise_deg = 0.05;
 
 HostTime host(double take_s) { return HostTime(Duration(std::llround((kHost_s + take_s) * 1e9))); }
 
-/// How the stream reaches the host, and what is wrong with it.
+/// Delay and faults of the stream.
 struct Stream {
   double delay_s = 0.03, jitter_s = 0.002;
-  double given_delay_s = 0.03;           ///< what the scene says
+  double given_delay_s = 0.03;           ///< delay that the scene states
   double latency_s = 0.06;               ///< from mid-exposure until the frame is composited
   double stop_s = 1e9;                   ///< the sender falls silent at this time of the take
-  double step_from_s = 1e9, step_s = 0;  ///< its clock steps
-  bool renumbered = false;               ///< and its frame numbers start again then
+  double step_from_s = 1e9, step_s = 0;  ///< clock step: time in the take, size
+  bool renumbered = false;               ///< the frame numbers start again at the clock step
   int body = kBody;
-  bool second_sender = false;  ///< another one sends the first sample again and again
+  bool second_sender = false;  ///< another sender repeats the first sample
 };
 
-/// The take as live devices: before a frame is given out, time advances to the moment at which it
-/// is composited, and every packet that arrives until then is received at its own time.
+/// Plays the take as live devices: before it gives out a frame, time advances to the compositing
+/// of that frame, and every packet that arrives until then is received at its own time.
 class StreamedTake final : public capture::CaptureSource {
  public:
   StreamedTake(std::unique_ptr<capture::CaptureSource> take, std::vector<TakenSample> samples,
@@ -96,7 +96,7 @@ class StreamedTake final : public capture::CaptureSource {
     ++sent_;
     EXPECT_TRUE(comes_true([&] { return heard() >= static_cast<std::uint64_t>(sent_); })) << sent_;
   }
-  /// Packets that the receiver has handled, without those of the second sender.
+  /// Number of packets that the receiver has handled, without those of the second sender.
   std::uint64_t heard() const {
     return session_.poses->stream()->packets + session_.poses->faults().packets_late;
   }
@@ -116,7 +116,7 @@ class StreamedTake final : public capture::CaptureSource {
   std::uniform_real_distribution<double> share_{0, 1};
 };
 
-/// One take for all tests: a camera in a hand.
+/// All tests share one take of a hand-held camera.
 class MocapRun : public CommandTest {
  protected:
   static void SetUpTestSuite() {
@@ -216,8 +216,8 @@ void MocapRun::predicts_what_has_not_come() {
   const auto predicts = run_with(early);
   ASSERT_TRUE(predicts) << predicts.error().context;
   EXPECT_EQ(predicts->pose.frames.lost(), 0U);
-  // About 24 ms after the newest frame the noise of two poses, 30 ms apart, has grown to
-  // sqrt(1.8^2 + 0.8^2) = 2 times that of one, 0.35 mm; a sample more where one is lost.
+  // About 24 ms after the newest sample, the noise of the two poses, 30 ms apart, has grown to
+  // sqrt(1.8^2 + 0.8^2) = 2 times that of one pose, 0.35 mm; where a sample is lost, it is older.
   EXPECT_GT(value(*predicts, "shift_mm", "rms"), kNoise_mm);
   EXPECT_LT(value(*predicts, "shift_mm", "rms"), 1.5);
   EXPECT_GT(session::to_json(*predicts)["pose"]["age_ms"]["p50"], 15.0);
@@ -229,7 +229,7 @@ void MocapRun::needs_the_delay() {
   stream.given_delay_s = 0;
   const auto wrong = run_with(stream);
   ASSERT_TRUE(wrong) << wrong.error().context;
-  // The camera is then where it was 30 ms before.
+  // With a delay of zero the camera appears where it was 30 ms before.
   double sum_mm2 = 0;
   int pairs = 0;
   const auto samples = read_taken_mocap(take_ / "take");
@@ -290,13 +290,13 @@ void MocapRun::hears_one_sender() {
   stream.second_sender = true;
   const auto report = run_with(stream);
   ASSERT_TRUE(report) << report.error().context;
-  // The run may end before the last one was read.
+  // The run may end before the last bad packet was read.
   EXPECT_GE(report->pose.faults.packets_bad, static_cast<std::uint64_t>(sent_) - 1);
   EXPECT_EQ(report->pose.frames.lost(), 0U);
   EXPECT_LT(value(*report, "shift_mm", "rms"), kNoise_mm);
 }
 
-// One test, because the take is drawn for it.
+// One test for all cases, because they share the rendered take.
 TEST_F(MocapRun, DrivesACompositeAndEachFaultOfItsStreamIsAnEvent) {
   follows_the_hand();
   predicts_what_has_not_come();

@@ -10,9 +10,9 @@
 namespace mixrig::test {
 namespace {
 
-/// As many frames as it takes to move so far that a background of the first pose fails: it keys
-/// 0.895 of the handheld camera (0.938 with the background of each pose). Of the panning one the
-/// command refuses a fixed pose.
+/// `frames`: enough that the camera moves too far for a background of the first pose. With that
+/// background the handheld take has a key_iou of 0.895 (0.938 with the background of each pose);
+/// for the panning take the command refuses a fixed pose.
 struct Moving {
   const char* scenario;
   int frames;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Streams the motion capture of a studio take as NatNet, in real time, beside a player of the take.
-// usage: natnet_sender TAKE PORT BEGIN_S [DELAY_MS [JITTER_MS [BODY]]]
-// BEGIN_S: time of the take's first frame on CLOCK_MONOTONIC, play_at_s of rig.toml.
+// Sends the motion capture of a studio take as NatNet in real time, while another program plays the
+// take. usage: natnet_sender TAKE PORT BEGIN_S [DELAY_MS [JITTER_MS [BODY]]]. BEGIN_S: time of the
+// take's first frame on CLOCK_MONOTONIC, play_at_s of rig.toml.
 #include "tests/support/natnet_sender.h"
 
 #include <cstdio>

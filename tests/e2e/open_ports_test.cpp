@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sockets of a running `mixrig run`: nobody beyond this machine can reach any of them.
+// The sockets of a running `mixrig run` must not be reachable from other machines.
 #include <algorithm>
 #include <set>
 
@@ -24,12 +24,12 @@ std::set<std::string> sockets_of(pid_t pid) {
 }
 
 struct OpenPort {
-  std::string table, address;  ///< hexadecimal, as the kernel's table has it
+  std::string table, address;  ///< hexadecimal, as in the kernel's table
   int port = 0;
   auto operator<=>(const OpenPort&) const = default;
 };
 
-/// Ports of a process that take connections or datagrams.
+/// Ports of a process that accept connections or datagrams.
 std::set<OpenPort> open_ports(pid_t pid) {
   constexpr const char* kListens = "0A";
   const auto inodes = sockets_of(pid);
@@ -89,7 +89,7 @@ TEST_F(OpenPorts, APageAndOscAreForThisMachineAlone) {
     EXPECT_TRUE(is_loopback(port)) << port.table << " " << port.address;
 }
 
-/// Streams, poses and a window are sent from ports, and none of them is open to others.
+/// Streams, poses and a window are sent from ports of which none is open to other machines.
 TEST_F(OpenPorts, WhatIsSentOpensNoPortToOthers) {
   std::ofstream(path("take/scene.toml"), std::ios::app)
       << "\n[[pose_out]]\nprotocol = \"freed\"\nudp = \"127.0.0.1:9\"\n"
@@ -105,7 +105,7 @@ TEST_F(OpenPorts, WhatIsSentOpensNoPortToOthers) {
   const int stream_port = std::stoi(stream.substr(stream.find(':') + 1));
   std::set<OpenPort> ports;
   bool began = false;
-  ASSERT_TRUE(comes_true([&] {  // or until it has ended, which is wrong: it plays until it is told
+  ASSERT_TRUE(comes_true([&] {  // or until it has ended, which is wrong: it plays until stopped
     const pid_t pid = run.program();
     if (pid == 0) return began;
     began = true;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A studio take as an .oni recording that OpenNI2's own recorder makes, played as devices.
+// A studio take becomes an .oni recording by OpenNI2's own recorder, which is then played as
+// devices.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -41,7 +42,7 @@ class OpenNi2Run : public CommandTest {
       std::copy(picture.row(y), picture.row(y) + picture.width(), to);
     return out;
   }
-  /// Frames of the take, its depth steps as they are.
+  /// Records the frames of the take, with its depth steps unchanged.
   void make_recording() const {
     const auto color = color_of("take", 1);
     const auto depth = depth_of("take", 1);
@@ -79,7 +80,8 @@ TEST_F(OpenNi2Run, AStudioTakeRecordedByTheLibraryIsRecordedAgainAndComposited) 
                    " --duration 60 --format png --json " + path("record.json")),
             0);
   EXPECT_EQ(report("record.json").at("ended"), "end of the cameras");
-  // Every recorded depth picture is one of the take, in order, and all but the first few are there.
+  // Every recorded depth picture is one of the take, in order, and only the first few may be
+  // missing.
   int from = 1, matched = 0;
   for (int frame = 1; std::filesystem::exists(path(numbered("again/depth/%06d.png", frame)));
        ++frame) {

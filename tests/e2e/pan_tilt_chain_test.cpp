@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Boards of a rig through mixrig calibrate rig and ptu, and the poses that this calibration gives
-// for a panning take of the same rig: against the true poses, and in the picture of `mixrig run`,
-// with the angles of mid-exposure, of the frame before, and of the frame's arrival.
+// Boards of a rig are calibrated by `mixrig calibrate rig` and `calibrate ptu`. The poses by this
+// calibration for a panning take of the same rig are compared with the true poses, and in the
+// picture of `mixrig run`, with the angles of mid-exposure, of the frame before, and of the frame's
+// arrival.
 #include <cmath>
 #include <cstdio>
 
@@ -17,9 +18,9 @@ namespace {
 
 constexpr double kDeg = M_PI / 180;
 constexpr int kSweepFrames = 126;     // two periods of the sweep
-constexpr double kArrival_s = 0.030;  // of a frame after its mid-exposure
+constexpr double kArrival_s = 0.030;  // delay of a frame's arrival after its mid-exposure
 constexpr double kFast_rad_s = 25 * kDeg;
-constexpr int kWidth_px = 64;         // of the panning take
+constexpr int kWidth_px = 64;         // width of the panning take
 constexpr double kMostSlip_px = 0.7;  // at 1280 columns
 
 struct Moment {
@@ -63,7 +64,7 @@ class PanTiltChain : public CommandTest {
                   calibration_file::Calibration known) const;
 };
 
-/// Angles `late_s` after a frame, between the frames' rows.
+/// Angles at `late_s` after frame i, interpolated between the rows of the frames.
 device::PanTiltAngles angles_at(const std::vector<Moment>& take, std::size_t i, double late_s) {
   const Moment &a = take[late_s < 0 ? i - 1 : i], &b = take[late_s < 0 ? i : i + 1];
   const double part = (take[i].time_s + late_s - a.time_s) / (b.time_s - a.time_s);
@@ -71,7 +72,8 @@ device::PanTiltAngles angles_at(const std::vector<Moment>& take, std::size_t i, 
           std::lerp(a.head.tilt_rad, b.head.tilt_rad, part)};
 }
 
-/// Error of the chain's poses over the frames that turn at `least_rad_s` and faster.
+/// RMS error of the chain's poses over the frames in which the head turns at least at
+/// `least_rad_s`.
 Rms error_of(const std::vector<Moment>& take, const calibration_file::PanTilt& unit,
              const Eigen::Isometry3d& world_from_base, double late_s, double least_rad_s) {
   Rms rms;
@@ -93,7 +95,7 @@ void print(const char* what, const Rms& rms) {
               1000 * rms.distance_m, rms.frames);
 }
 
-/// `pose` of the report of a run with the angles `late_s` after each frame.
+/// `pose` in the report of a run whose angles are `late_s` after each frame.
 nlohmann::json PanTiltChain::pose_of_run(const std::vector<Moment>& take, double late_s) const {
   std::ofstream angles(path("pan/pan_tilt.csv"));
   angles << "frame,pan_rad,tilt_rad\n";
@@ -110,7 +112,8 @@ nlohmann::json PanTiltChain::pose_of_run(const std::vector<Moment>& take, double
   return report("run.json").at("pose");
 }
 
-/// The cameras are those of the small take, whose lens is not what is judged here.
+/// Compares the slip in the picture with its prediction. `known` has the cameras of the small take,
+/// whose lens is not under test.
 void PanTiltChain::judge_slip(const std::vector<Moment>& take,
                               const calibration_file::PanTilt& estimated,
                               calibration_file::Calibration known) const {
@@ -129,9 +132,9 @@ void PanTiltChain::judge_slip(const std::vector<Moment>& take,
   };
   const auto [slip, predicted] = slip_px(0);
   EXPECT_LE(slip, kMostSlip_px);
-  // What is constant in one take may be off by twice its sigma, which is the smaller part.
+  // A constant error of a take may be up to twice its sigma; it is the smaller part of the slip.
   EXPECT_NEAR(slip / predicted, 1, 0.25);
-  // 1667 px a radian, up to 30 deg/s.
+  // At 1667 px per radian and up to 30 deg/s.
   EXPECT_GT(slip_px(-0.04).first, 10);
   EXPECT_GT(slip_px(kArrival_s).first, 8);
 }
@@ -151,7 +154,7 @@ TEST_F(PanTiltChain, AnEstimatedChainGivesThePoseAtMidExposureOfATurningHead) {
   ASSERT_TRUE(estimated && estimated->pan_tilt && known && known->pan_tilt);
   const std::vector<Moment> take = read_take("pan");
   ASSERT_EQ(take.size(), static_cast<std::size_t>(kSweepFrames));
-  // The world is known by the target camera's pose at angles zero, as it is on a set.
+  // The world is fixed by the target camera's pose at angles zero, as on a set.
   const auto anchored = [&](const calibration_file::PanTilt& unit) {
     return truth("pan", "world_from_rest") * base_from_target(unit, 0, 0).inverse();
   };
@@ -174,7 +177,7 @@ TEST_F(PanTiltChain, AnEstimatedChainGivesThePoseAtMidExposureOfATurningHead) {
   EXPECT_LT(fast.angle_rad, 0.03 * kDeg);
   EXPECT_LT(fast.distance_m, 0.003);
   EXPECT_LT(all.angle_rad, 0.03 * kDeg);
-  // 28 deg/s for 40 and for 30 ms.
+  // The head turns at 28 deg/s, for 40 and for 30 ms.
   EXPECT_NEAR(by_index.angle_rad / kDeg, 28 * 0.040, 0.1);
   EXPECT_NEAR(at_arrival.angle_rad / kDeg, 28 * kArrival_s, 0.1);
   judge_slip(take, *estimated->pan_tilt, *known);

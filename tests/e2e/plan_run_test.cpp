@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// People of a studio take on the floor, through the command. Bounds on seed 5: 40 mm RMS.
+// People of a studio take on the floor, by the command. The bounds were chosen on seed 5: 40 mm
+// RMS.
 #include "tests/e2e/command.h"
 
 namespace mixrig::test {
@@ -31,7 +32,7 @@ TEST_F(PlanRun, PeopleOfATakeAreFollowedOnTheFloor) {
   double dwelt_s = 0;
   for (const nlohmann::json& row : plan["dwell"]["time_s"])
     for (const nlohmann::json& time_s : row) dwelt_s += time_s.get<double>();
-  EXPECT_NEAR(dwelt_s, 2 * 1.8, 0.4);  // two people for two seconds, but for the first frames
+  EXPECT_NEAR(dwelt_s, 2 * 1.8, 0.4);  // two people for two seconds, minus the first frames
   ASSERT_FALSE(plan["places"].empty());
   EXPECT_GE(plan["places"][0]["path_m"], 0.35);
   EXPECT_EQ(report("out/report.json"), plan);
@@ -39,7 +40,7 @@ TEST_F(PlanRun, PeopleOfATakeAreFollowedOnTheFloor) {
     EXPECT_TRUE(std::filesystem::exists(path("out/" + std::string(file)))) << file;
   const std::vector<double> times = column(path("out/people.csv"), 1);
   ASSERT_FALSE(times.empty());
-  EXPECT_GE(times.front(), 1.0);  // nobody in the empty frames
+  EXPECT_GE(times.front(), 1.0);  // nobody is in the empty frames
 }
 
 }  // namespace

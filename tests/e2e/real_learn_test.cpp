@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mixrig learn` and `track --map` on real pictures: a map of every second frame of a Kinect in a
-// kitchen, the frames between them tracked in it, both held against the published poses, which are
-// good to a centimetre or two; and a fisheye whose pictures are too far apart.
+// `mixrig learn` and `track --map` on real pictures. A map is learned from every second frame of a
+// Kinect in a kitchen, and the frames between are tracked in it; both are compared with the
+// published poses, whose error is one to two centimetres. A fisheye whose pictures are too far
+// apart must be refused.
 #include <numbers>
 
 #include <Eigen/SVD>
@@ -24,7 +25,8 @@ class RealLearn : public RealTakeTest {
   }
 };
 
-/// The mean rotation, then the mean place: the path is nearly straight, places do not tell a turn.
+/// Fits the mean rotation first, then the mean position: the path is nearly straight, so positions
+/// alone do not determine the rotation.
 Eigen::Isometry3d world_from_map(const Samples& found, const Published& published) {
   Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < found.size(); ++i)

@@ -22,7 +22,7 @@ TEST_F(RealRoom, PosedFramesOfAKitchenBecomeAModel) {
   EXPECT_EQ(report.at("views"), 12);
   EXPECT_GT(report.at("fill_pct").get<double>(), 80);
   EXPECT_GT(report.at("triangles").get<int>(), 500);
-  // Consistency: the recording's own poses are good to a centimetre or two.
+  // Consistency only: the error of the recording's own poses is one to two centimetres.
   const auto& overlaps = report.at("overlaps");
   EXPECT_GT(overlaps.at("places").get<int>(), 3000);
   EXPECT_GT(overlaps.at("median_mm").get<double>(), 0.5);
@@ -57,7 +57,7 @@ TEST_F(RealRoom, OneViewOfAnAzureKinectBecomesAModel) {
   const auto report = scanned();
   EXPECT_EQ(report.at("views"), 3);
   EXPECT_GT(report.at("triangles").get<int>(), 500);
-  // The same place thrice: only noise is left.
+  // The same view three times: only noise is left.
   EXPECT_LT(report.at("overlaps").at("median_mm").get<double>(), 4);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mixrig run` on a real recording (label data): people enter and leave a room.
+// `mixrig run` on a real recording (label data) in which people enter and leave a room.
 #include <algorithm>
 #include <string>
 #include <vector>

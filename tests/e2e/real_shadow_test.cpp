@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shadow of a virtual car on the floor of a real recording, by both back ends.
+// The shadow of a virtual car on the floor of a real recording, drawn by both back ends.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -24,7 +24,7 @@ class RealShadow : public CommandTest {
       "/tests/data/lab_queue";
 };
 
-/// Both lamps over the aisle are hidden from the floor below the car: 131 x 21 pixels of it.
+/// Both lamps over the aisle are hidden from 131 x 21 pixels of the floor below the car.
 TEST_F(RealShadow, OnTheFloorOfTheLabIsSmooth) {
   for (const std::string backend : {"cpu", "gles"}) {
     ASSERT_EQ(mixrig("run " + lab_ + "/scene.toml --source take:" + lab_ + "/take.toml --out " +

@@ -40,8 +40,8 @@ class RealTakeTest : public CommandTest {
         << "noise = [0.002, 0.0, 0.002]\n"
         << rest;
   }
-  /// A take of every `step`th of the kitchen's 12 frames from the `first`th (0..11), with the poses
-  /// that were published. Returns these.
+  /// Writes a take of every `step`th of the kitchen's 12 frames from the `first`th (0..11) on, with
+  /// their published poses. Returns these poses.
   std::vector<Eigen::Isometry3d> write_kitchen(const std::string& take, int first, int step) const {
     const auto kitchen = recording("rgbd-kitchen-moving-camera");
     std::vector<Eigen::Isometry3d> poses;
@@ -69,8 +69,8 @@ class RealTakeTest : public CommandTest {
                    "1.0]]\ntranslation_m = [0.0, 0.0, 0.0]\n[pose]\nfile = \"poses.txt\"\n");
     return poses;
   }
-  /// A take of the 15 pictures of a fisheye in an office, 0.3 to 1 m apart, without depth, and
-  /// beside it TAKE.toml, the intrinsics that came with them.
+  /// Writes a take of the 15 pictures of a fisheye in an office, 0.3 to 1 m apart, without depth,
+  /// and TAKE.toml beside it: the published intrinsics.
   void write_office(const std::string& take) const {
     constexpr int kPictures = 15;
     std::string stamps = "picture,frame,counter,mid_exposure_ns\n";

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mixrig track --model` on real pictures: a room of every second frame of a Kinect in a kitchen,
-// the frames between them tracked in it. They are blurred, and their depth is not registered to
-// their colour; the published poses are good to a centimetre or two.
+// `mixrig track --model` on real pictures. A room is scanned from every second frame of a Kinect in
+// a kitchen, and the frames between are tracked in it. The pictures are blurred and their depth is
+// not registered to colour; the error of the published poses is one to two centimetres.
 #include <numbers>
 
 #include "host/math/image_io/image_io.h"
@@ -39,7 +39,7 @@ TEST_F(RealTrack, AKinectIsFoundInItsKitchen) {
   EXPECT_LT(most_deg, 1);
 }
 
-/// 15 pictures of a fisheye in an office that was not scanned.
+/// The 15 pictures of a fisheye show an office that was not scanned.
 TEST_F(RealTrack, AFisheyeInAnotherRoomIsLostInEveryPicture) {
   write_kitchen("kitchen", 0, 1);
   ASSERT_EQ(mixrig("scan --take " + path("kitchen/take.toml") + " " + path("room")), 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses of a report of mixrig calibrate rig against those of truth.json (report_pose.h); commands
-// that are refused.
+// Compares the poses in a report of `mixrig calibrate rig` with truth.json (report_pose.h), and
+// runs commands that must be refused.
 #pragma once
 
 #include <fstream>

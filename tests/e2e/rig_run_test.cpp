@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Live devices through the command: recordings and the studio are the cameras.
+// The command with live devices: recordings and the studio are the cameras.
 #include <algorithm>
 #include <regex>
 
@@ -33,7 +33,7 @@ class RigRun : public CommandTest {
                                         << "[[camera]]\nname = \"color\"\nuri = \"" << color
                                         << "\"\n[depth]\nuri = \"" << depth << "\"\n";
   }
-  /// At a rate that a loaded machine can follow; the first three frames give the background.
+  /// The rate is one that a loaded machine can follow; the first three frames give the background.
   void make_take(int frames) const {
     ASSERT_EQ(
         studio("take", "--plain --scenario walk --rig sr3000 --seed 31 --size 160x120 --frames " +
@@ -96,7 +96,7 @@ TEST_F(RigRun, CtrlCEndsALiveRunWithAWholeOutput) {
   EXPECT_EQ(mixrig("info " + path("out/composite")), 0);
 }
 
-/// A ball falls while somebody walks.
+/// A ball falls while somebody walks through the room.
 TEST_F(RigRun, EventsAndPlacesArriveWhileALiveRunGoesOn) {
   make_take(4);
   write_rig("studio:walk,31,sr3000,100000,160x120/target",
@@ -197,14 +197,15 @@ TEST_F(RigRun, AHeadThatTurnsIsFollowedFromDevicesAsFromTheTake) {
   ASSERT_EQ(mixrig(run + "rig:" + path("rig.toml") + " --json " + path("live.json")), 0);
   const auto take = report("take.json").at("pose"), live = report("live.json").at("pose");
   ASSERT_EQ(live.at("source"), "pan_tilt");
-  // A loaded machine may drop sets and begin before the head answers; those it composites are
-  // right.
+  // A loaded machine may drop sets and begin before the head answers; the sets that it composites
+  // must be right.
   EXPECT_GE(live.at("frames").get<int>(), 10);
   EXPECT_LE(live.at("lost").get<int>(), 5);
   const auto rms = [](const auto& pose, const char* what) {
     return pose.at("error").at(what).at("rms").template get<double>();
   };
-  // The encoder's step of 0.0514 deg, uniform: sigma 0.0148 deg, at arm's length below 1 mm.
+  // The encoder's step of 0.0514 deg, uniformly distributed: sigma 0.0148 deg, below 1 mm at arm's
+  // length.
   EXPECT_LE(rms(take, "turn_deg"), 0.03);
   EXPECT_LE(rms(live, "turn_deg"), 0.03);
   EXPECT_LE(rms(live, "shift_mm"), 3.0);

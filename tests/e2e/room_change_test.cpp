@@ -10,7 +10,7 @@ namespace {
 
 class RoomChange : public CommandTest {
  protected:
-  /// The take's scene with a room that was scanned, which stands where the sweep's foot stood.
+  /// Writes the take's scene with a scanned room, whose base has the sweep's true pose.
   void write_scene(const std::string& name, const std::string& room) {
     const auto rig = nlohmann::json::parse(std::ifstream(path("sweep/truth/rig.json")));
     const auto pose = rig.at("world_from_base");
@@ -37,7 +37,8 @@ class RoomChange : public CommandTest {
   }
 };
 
-constexpr double kWas_m[] = {4.2, 3.55}, kIs_m[] = {3.5, 3.0};  ///< the chair's foot
+constexpr double kWas_m[] = {4.2, 3.55},
+                 kIs_m[] = {3.5, 3.0};  ///< position of the chair on the floor, metres
 
 double off_m(const nlohmann::json& place, const double (&truth)[2]) {
   return std::hypot(place[0].get<double>() - truth[0], place[1].get<double>() - truth[1]);
@@ -60,7 +61,7 @@ TEST_F(RoomChange, AMovedChairIsFoundAndBecomesBackground) {
   EXPECT_EQ(changes[0].at("kind"), "moved");
   EXPECT_TRUE(changes[0].at("accepted").get<bool>());
   EXPECT_LT(off_m(changes[0].at("center_m"), kIs_m), 0.15) << changes.dump();
-  // Where it stood, the camera sees one side of it.
+  // At the chair's old position the camera sees only one side of it.
   EXPECT_LT(off_m(changes[0].at("from_m"), kWas_m), 0.2) << changes.dump();
   write_scene("after.toml", "accepted");
   const double before = iou(run("before.toml", "--frames 131-150"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sweep with a fault through `mixrig scan --take`. The bounds were chosen on the take itself: 95
-// % of the surface within 2.44 mm, 3.65 mm with the fault, 2.45 mm with the fault mended.
+// Sweeps with a fault through `mixrig scan --take`. The bounds were chosen on the take itself: 95 %
+// of the surface within 2.44 mm, 3.65 mm with the fault, 2.45 mm with the fault corrected.
 #include <cmath>
 #include <cstdio>
 #include <iomanip>
@@ -13,7 +13,7 @@ namespace {
 
 class RoomFault : public CommandTest {
  protected:
-  /// Adds to the pan angle of `count` frames from `first` on.
+  /// Adds `by_rad` to the pan angle of `count` frames from `first` on.
   void shift_pan(int first, int count, double by_rad) const {
     std::ifstream in(path("take/pan_tilt.csv"));
     std::ostringstream out;
@@ -32,8 +32,8 @@ class RoomFault : public CommandTest {
   }
 };
 
-/// The encoders of one view are half a degree off: it is named, turned back, and the room is as
-/// good as without the error.
+/// The encoders of one view are half a degree off: the view is reported and turned back, and the
+/// room is as good as without the error.
 TEST_F(RoomFault, AViewWithAWrongAngleIsNamedAndMended) {
   ASSERT_EQ(studio("take",
                    "--scenario sweep --plain --size 64x48 --rig kinect2 --seed 31 --field 120x50 "
@@ -66,9 +66,9 @@ TEST_F(RoomFault, AViewWithAWrongAngleIsNamedAndMended) {
   EXPECT_LT(p95_mm(mended), 1.03 * p95_mm(sound));
 }
 
-/// A lens with dark corners: the overlaps of a sweep show how dark, and a calibration that knows it
-/// gives composites whose corners are as bright as the middle. The bounds were chosen on the takes
-/// themselves (overlaps 11.2 % apart before, 1.3 % after).
+/// A lens darkens the corners: the overlaps of a sweep show by how much, and a calibration that has
+/// this value gives composites whose corners are as bright as the middle. The bounds were chosen on
+/// the takes themselves (overlaps 11.2 % apart without, 1.3 % with the correction).
 TEST_F(RoomFault, DarkCornersAreFoundAndTakenOut) {
   const std::string camera = " --only vignetting --size 160x128 --rig kinect2 --seed 31";
   ASSERT_EQ(

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The room.glb of a scan, read by programs that share nothing with mixrig: assimp, and Khronos'
-// validator where MIXRIG_GLTF_VALIDATOR names the folder of its npm package.
+// The room.glb of a scan is read by programs that share no code with mixrig: assimp, and Khronos'
+// validator if MIXRIG_GLTF_VALIDATOR names the folder of its npm package.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -34,7 +34,7 @@ class RoomGlb : public CommandTest {
 };
 
 #ifdef MIXRIG_HAS_ASSIMP
-/// Distance of a point, in glTF axes (y up), from the surface that room.exr has in its direction.
+/// Distance of a point, in glTF axes (y up), from the surface of room.exr in its direction.
 double off_m(const Image<float>& distance_m, const aiVector3D& at) {
   const double right = at.x, ahead = -at.z, up = at.y, length = at.Length();
   const double column = 0.5 - std::atan2(-right, ahead) / (2 * M_PI);
@@ -67,7 +67,7 @@ TEST_F(RoomGlb, IsTheRoomToAssimp) {
   const auto distance = std::find_if(channels->begin(), channels->end(),
                                      [](const auto& c) { return c.name == "distance_m"; });
   ASSERT_NE(distance, channels->end());
-  // Vertices are pixels of the panorama, but for those on halved edges.
+  // Vertices are pixels of the panorama, except those on halved edges.
   unsigned on_surface = 0, inwards = 0;
   for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
     on_surface += off_m(distance->pixels, mesh.mVertices[i]) < 1e-3 ? 1 : 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two sweeps of one room from two positions become one room, which is the background of a run.
-// The bounds were chosen on seeds 5 and 6: 5.9 and 6.0 mm with a sigma of 4.0, key_iou 0.934 (5).
+// Two sweeps of a room from two positions are joined into one room, the background of a run. The
+// bounds were chosen on seeds 5 and 6: 5.9 and 6.0 mm with a sigma of 4.0, key_iou 0.934 (5).
 #include <array>
 #include <cmath>
 
@@ -22,14 +22,14 @@ class RoomMerge : public CommandTest {
                      path("sweep_" + name + "/truth/calibration.toml") + " " + path(name)),
               0);
   }
-  /// Of the true pose of the head in the world.
+  /// True pose of the head's base in the world.
   nlohmann::json foot(const std::string& name) const {
     return report("sweep_" + name + "/truth/rig.json").at("world_from_base");
   }
   static constexpr const char* kRig = " --rig sr3000 --seed 5 --plain --size 96x80 ";
 };
 
-/// Turns by the inverse of a quaternion xyzw.
+/// Rotates `v` by the inverse of a quaternion xyzw.
 Numbers turned_back(const std::array<double, 4>& q, const Numbers& v) {
   const auto cross = [](const Numbers& a, const Numbers& b) -> Numbers {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
@@ -62,7 +62,7 @@ TEST_F(RoomMerge, TwoPositionsBecomeOneRoomThatRunTakes) {
   EXPECT_EQ(mixrig("info " + path("joined") + " --json " + path("info.json")), 0);
   EXPECT_EQ(report("info.json").at("kind").get<std::string>(), "joined room");
 
-  // The joined room stands where the first did.
+  // The joined room has the base of the first one.
   ASSERT_EQ(studio("take", std::string("--scenario pan --pan 30 --frames 12") + kRig +
                                "--eye 0.9,2.1,1.5 --look-at 3.36,0.38,1.2"),
             0);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A room is scanned, then people are keyed against it while the head pans.
-// The bounds were chosen on seeds 5 and 6 (key_iou 0.961 and 0.954, order wrong 2.5 and 2.7 %); the
-// test has 32.
+// A room is scanned, then people are keyed against it while the head pans. The bounds were chosen
+// on seeds 5 and 6 (key_iou 0.961 and 0.954, order wrong 2.5 and 2.7 %); the test uses seed 32.
 #include "tests/e2e/command.h"
 
 namespace mixrig::test {
@@ -33,7 +32,7 @@ TEST_F(RoomRun, PeopleAreKeyedAgainstTheScannedRoomWhileTheHeadTurns) {
                    path("sweep/truth/calibration.toml") + " " + path("room")),
             0);
   ASSERT_EQ(studio("take", "--scenario pan --pan 90 --frames 60" + rig), 0);
-  // The foot stands where it stood in the sweep.
+  // The base of the head stands where it stood in the sweep.
   replace_line("take/scene_pan_tilt.toml", "take/scene_room.toml", "learn", "model = \"../room\"");
   ASSERT_EQ(mixrig("run " + path("take/scene_room.toml") + " --source take:" + path("take") +
                    " --frames 26-60 --out " + path("out") + " --json " + path("run.json")),

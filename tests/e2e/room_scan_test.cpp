@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A recorded sweep through `mixrig scan --take`, held against the room of the studio.
-// The bounds were chosen on seeds 5 and 6 (median 1.4 mm, 95 % within 13.7 mm); the test has 31.
+// A recorded sweep goes through `mixrig scan --take`; the result is compared with the room of the
+// studio. The bounds were chosen on seeds 5 and 6 (median 1.4 mm, 95 % within 13.7 mm); the test
+// uses seed 31.
 #include "tests/e2e/command.h"
 
 namespace mixrig::test {
@@ -35,14 +36,14 @@ TEST_F(RoomScan, HoldsTheFarWallsOfASmallField) {
     EXPECT_TRUE(std::filesystem::exists(path("room/" + std::string(file)))) << file;
 }
 
-/// The ceiling with its lamps, whose light is four times the plates' white.
+/// The sweep shows the ceiling with its lamps, which are four times as bright as the plates' white.
 TEST_F(RoomScan, LampsHaveTheirLightWherePlatesWereTakenAtOtherExposures) {
   const auto report =
       scanned("--rig sr3000 --seed 31 --field 40x180 --view-frames 2 --bracket", "");
   const auto exposures = report.at("bracket");
   ASSERT_GE(exposures.size(), 2U);
   for (const auto& e : exposures) {
-    // The camera exposes 9 us longer than it says, of 8 ms.
+    // The camera exposes 9 us longer than its setting of 8 ms.
     const double s = 8e-3 * e.at("nominal").get<double>();
     EXPECT_TRUE(e.at("used").get<bool>());
     EXPECT_NEAR(e.at("measured").get<double>() / ((s + 9e-6) / (8e-3 + 9e-6)), 1, 0.03) << e;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sweeps of the studio with a fault in a view or in the room, through `mixrig scan --take`: each is
-// named with its place, what is unknown stays so, and the rest of the room is as good as without.
+// Sweeps of the studio with a fault in a view or in the room go through `mixrig scan --take`. Each
+// fault is reported with its place, unknown areas stay unknown, and the rest of the room is as good
+// as without the fault.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -12,7 +13,7 @@ namespace {
 
 class RoomViewFault : public CommandTest {
  protected:
-  static constexpr int kFrames = 2;  ///< of each view
+  static constexpr int kFrames = 2;  ///< frames per view
 
   void sweep(const std::string& options) const {
     std::filesystem::remove_all(path("take"));
@@ -39,7 +40,7 @@ class RoomViewFault : public CommandTest {
   static double surface(const nlohmann::json& report, const char* key) {
     return report.at("evaluate").at("surface").at(key).get<double>();
   }
-  /// A view that is the one before it once more: pictures and angles of its frames.
+  /// Replaces a view by a copy of the one before it: pictures and angles of its frames.
   void drop_view(int view) const {
     const int last = kFrames * (view - 1);
     for (int frame = last + 1; frame <= last + kFrames; ++frame)
@@ -67,13 +68,13 @@ class RoomViewFault : public CommandTest {
   }
 };
 
-/// At the border of a sweep a missing view is missed where the field is known. Inside of one: see
-/// RoomFindings.ADroppedViewLeavesAnAreaThatNoViewShows.
+/// At the border of a sweep, a missing view is reported if the field is known. For a view inside
+/// the sweep see RoomFindings.ADroppedViewLeavesAnAreaThatNoViewShows.
 TEST_F(RoomViewFault, ADroppedViewIsMissedWhereItWas) {
   ASSERT_NO_FATAL_FAILURE(sweep("--plain --field 120x90"));
   const auto sound = scanned("--field 120x90");
   EXPECT_TRUE(named(sound, "unseen").empty()) << sound.at("findings");
-  constexpr int kDropped = 17, kViews = 18;  // the middle one of the upper row
+  constexpr int kDropped = 17, kViews = 18;  // the middle view of the upper row
   ASSERT_EQ(sound.at("views").get<int>(), kViews);
   drop_view(kDropped);
   const auto without = scanned("--field 120x90");
@@ -93,7 +94,7 @@ TEST_F(RoomViewFault, SaturatedLampsAreNamedWhereTheyAre) {
   const auto lamps = named(room, "saturated_view");
   ASSERT_FALSE(lamps.empty());
   for (const auto& lamp : lamps) {
-    if (lamp.at("value").get<double>() < 1) continue;  // the rim of one, and bright spots
+    if (lamp.at("value").get<double>() < 1) continue;  // the rim of a lamp, and bright spots
     EXPECT_GT(lamp.at("elevation_deg").get<double>(), 15) << lamp;
     EXPECT_LT(lamp.at("elevation_deg").get<double>(), 45) << lamp;
   }
@@ -101,7 +102,8 @@ TEST_F(RoomViewFault, SaturatedLampsAreNamedWhereTheyAre) {
   EXPECT_LT(room.at("evaluate").at("max_mm").at("depth").get<double>(), 12);
 }
 
-/// Glass and mirror take the place of a picture of 0.95 x 1.1 m straight ahead, 4 m away.
+/// A window or mirror of 0.95 x 1.1 m replaces a picture straight ahead, 4 m away. Here it is
+/// glass.
 TEST_F(RoomViewFault, GlassWithoutDepthStaysUnknownAndIsNamed) {
   ASSERT_NO_FATAL_FAILURE(sweep("--plain --field 120x60"));
   const auto without = scanned();
@@ -117,7 +119,8 @@ TEST_F(RoomViewFault, GlassWithoutDepthStaysUnknownAndIsNamed) {
   EXPECT_LT(surface(with, "p50_mm"), 1.1 * surface(without, "p50_mm"));
 }
 
-/// The sr3000 sees 9 m by way of the mirror: beyond its 7.5 m, so it measures 2 m.
+/// Through the mirror the sr3000 sees a surface at 9 m, beyond its range of 7.5 m, and measures 2
+/// m.
 TEST_F(RoomViewFault, DepthOfAMirrorThatWrapsAroundIsNamedAndLeftOut) {
   ASSERT_NO_FATAL_FAILURE(sweep("--plain --field 120x60"));
   const auto without = scanned();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mixrig run` without a learned background: the capture volume keys, a set replaces the room. The
-// seed is held out (tests/support/seeds.h). Asked are 0.93 with kinect2, which seeds 3 to 9
-// reach in the mean and this one does not (0.916), and 0.86 with sr3000.
+// `mixrig run` without a learned background: the capture volume keys, and a set replaces the room.
+// The seed is held out (tests/support/seeds.h). The target is 0.93 with kinect2, which seeds 3 to 9
+// reach on average but this one does not (0.916), and 0.86 with sr3000.
 #include <gtest/gtest.h>
 
 #include "tests/e2e/command.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lamps that are hidden already: an object in the shade of a table casts no second shadow.
+// Lamps that real objects already hide: a virtual object in the shade of a table casts no second
+// shadow.
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -19,7 +20,7 @@ class ShadeRun : public CommandTest {
     return report("report.json").at("error").at(key).get<double>();
   }
   double shadow_rmse(const std::string& scene) { return error_of("light_shadow_rmse", scene); }
-  /// The take's scene with a line behind that of a table; its path.
+  /// Writes the take's scene with a line added after the header of a table, and returns its path.
   std::string scene_with(const std::string& table, const std::string& added) {
     std::ifstream in(path("take/scene.toml"));
     std::ofstream out(path("take/other.toml"));
@@ -27,7 +28,7 @@ class ShadeRun : public CommandTest {
       out << line << (line == table ? "\n" + added + "\n" : "\n");
     return path("take/other.toml");
   }
-  /// The same with a table at its end.
+  /// Writes the take's scene with a table added at its end, and returns its path.
   std::string scene_and(const std::string& table) {
     std::ofstream(path("take/other.toml"))
         << std::ifstream(path("take/scene.toml")).rdbuf() << "\n" + table;
@@ -36,13 +37,13 @@ class ShadeRun : public CommandTest {
 };
 
 TEST_F(ShadeRun, AnObjectInTheShadeOfATableIsNotShadedTwice) {
-  // The table of 1.28 m hides the lamp at (3.75, 3.2) from there.
+  // A table of 1.28 m hides the lamp at (3.75, 3.2) from the object.
   ASSERT_EQ(studio("take",
                    "--plain --scenario edges --seed 5 --object 1.5,3.0 --eye 0.5,1.0,1.6 --look-at "
                    "1.4,3.0,0.5 --frames 8 --size 320x256"),
             0);
   EXPECT_LE(shadow_rmse(path("take/scene.toml")), 0.05);
-  // Behind open walls nothing real hides a lamp.
+  // With open walls, the real surfaces of the room hide no lamp.
   EXPECT_GT(shadow_rmse(scene_with("[background]", "walls = \"open\"")), 0.05);
 }
 
@@ -71,7 +72,7 @@ TEST_F(ShadeRun, APersonBetweenALampAndAnObjectDarkensItAndItsShadow) {
     const std::string options = " --frames 40-46 --backend " + backend;
     EXPECT_LE(error_of("object_rmse", cast, options), 0.65 * error_of("object_rmse", none, options))
         << backend;
-    // What the person shades of the floor is not shaded by the object again.
+    // The floor that the person shades is not shaded by the object again.
     EXPECT_LE(error_of("light_shadow_rmse", cast, options),
               0.8 * error_of("light_shadow_rmse", none, options))
         << backend;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bound that runs hold their shadows to, and scenes that must break it.
+// The upper bound of the error of shadows, and scenes that must exceed it.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace mixrig::test {
 
-/// Of light_shadow_rmse. Takes without a single lamp have 0.19 and more.
+/// Upper bound of light_shadow_rmse. Takes without any lamp have 0.19 and more.
 inline constexpr double kMostShadowRmse = 0.06;
 
 /// Writes a copy of a scene with its first `kept` lamps into the same folder, and gives its path.

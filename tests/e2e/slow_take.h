@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A take that is played slower, which a loaded machine can follow.
+// Slows a take down, so that a loaded machine can follow.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace mixrig::test {
 
-/// Makes the times of a take with poses.txt so many times as long.
+/// Multiplies the times of a take with poses.txt by `times`.
 inline void slow_down(const std::filesystem::path& take, int times) {
   std::ifstream in(take / "poses.txt");
   std::ostringstream out;

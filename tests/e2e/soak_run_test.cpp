@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mixrig bench --suite soak`: a short take that is played for long by a clock that runs faster.
-// Lost frames are allowed, on a machine under load; frames that are lost without a reason are not.
+// `mixrig bench --suite soak`: a short take is played for long by a clock that runs faster. Lost
+// frames are allowed on a machine under load; frames that are lost without a reason are not.
 #include <gtest/gtest.h>
 
 #include "tests/e2e/command.h"

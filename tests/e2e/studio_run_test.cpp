@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `mixrig run` on studio takes: the report meets the bounds for held-out seeds
-// (tests/support/seeds.h), and a scene without lamps breaks that of the shadows.
+// (tests/support/seeds.h), and a scene without lamps exceeds the bound of the shadows.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -21,9 +21,10 @@ struct Row {
   int seed;
   double least_key_iou;
   const char*
-      take;  ///< the full size, which the memory depends on, or more frames of a smaller one
+      take;  ///< either the full size, which the memory depends on, or more frames of a smaller one
 };
-/// ctest takes it into the test's name: not the bytes of the pointers, which change.
+/// ctest includes this text in the test's name; without it, that would be the bytes of the
+/// pointers, which vary.
 void PrintTo(const Row& row, std::ostream* out) { *out << row.scenario << '_' << row.rig; }
 
 class StudioRun : public CommandTest, public ::testing::WithParamInterface<Row> {};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who walks through a box of the scene, and past another: events against the studio's true
-// surfaces, within four frames at 160x128, where three were seen (touch_study judges larger
-// pictures). A box that is kicked: the same pictures twice. Balls
-// bounce where the room is.
+// People touch objects of the scene. A person walks through a box and past another one: events are
+// compared with the studio's true surfaces, within four frames at 160x128 (three were measured;
+// touch_study checks larger pictures). A box is kicked: two runs give the same pictures. Balls
+// bounce where the room's surfaces are.
 #include <fstream>
 
 #include "host/math/image_io/image_io.h"
@@ -15,10 +15,10 @@ namespace mixrig::test {
 namespace {
 
 const Eigen::Vector3d kHalf_m(0.15, 0.15, 0.25);
-constexpr double kBottom_m = 0.95;  ///< trunks touch it; hands swing below
+constexpr double kBottom_m = 0.95;  ///< bottom of the box: trunks touch the box; hands swing below
 constexpr int kFrames = 75, kFirst = 26;
 
-/// A box around the origin, bottom at 0.
+/// A box around the z axis with its bottom at z = 0.
 scene::Model box_model(const Eigen::Vector3f& half_m, Rgb8 color = {200, 60, 30}) {
   scene::Model model;
   scene::Mesh mesh;
@@ -96,7 +96,8 @@ TEST_F(TouchRun, ContactsAreThoseOfTheTrueSurfaces) {
     for (const auto& p : surface) sum += p;
     return Eigen::Vector2d((sum / static_cast<float>(surface.size())).head<2>().cast<double>());
   };
-  // On the way at frame 50, and beside it, 150 mm from the nearest that anybody comes.
+  // One box is on the way at frame 50; the other one is beside it, 150 mm from the nearest approach
+  // of anybody.
   const geometry::Pose struck = box_at(middle(50));
   const Eigen::Vector2d ahead = (middle(52) - middle(48)).normalized();
   const Eigen::Vector2d inwards =
@@ -144,7 +145,7 @@ TEST_F(TouchRun, ContactsAreThoseOfTheTrueSurfaces) {
         Eigen::Vector3d(e["at_m"][0].get<double>(), e["at_m"][1].get<double>(),
                         e["at_m"][2].get<double>())};
     const int at = std::clamp(static_cast<int>(std::lround(frame)), kFirst, kFrames);
-    // The unseen back is a cylinder: it is judged by what it says of itself.
+    // The unseen back of a body is a cylinder (proxy): it is checked against its own stated sigma.
     const double most_m = e["by"] == "proxy" ? 2 * e["sigma_m"].get<double>() : 0.05;
     EXPECT_LT(studio::distance_to_box(surfaces[static_cast<std::size_t>(at - kFirst)], place,
                                       Eigen::Vector3d::Zero())
@@ -168,14 +169,14 @@ TEST_F(TouchRun, ContactsAreThoseOfTheTrueSurfaces) {
     EXPECT_TRUE(osc.starts_with(address + '\0')) << osc;
     EXPECT_NE(osc.find(",sisfffffff"), std::string::npos);
   }
-  // The plan of the same scene tells the same of people.
+  // `mixrig plan` of the same scene reports the same events.
   ASSERT_EQ(mixrig("plan " + path("take/touch.toml") + " --source take:" + path("take") + " " +
                    path("plan")),
             0);
   EXPECT_EQ(events("plan/events.jsonl"), all);
 }
 
-/// Of the first hit of an object on a part of the room.
+/// Checks time, speed and position of the first hit of an object on a part of the room.
 void expect_hit(const std::vector<nlohmann::json>& events, const char* object, const char* part,
                 double after_s, double speed_m_s, int axis, double at_m) {
   for (const auto& e : events) {
@@ -223,16 +224,17 @@ TEST_F(TouchRun, BallsMoveTheSameWayTwiceAndBounceWhereTheRoomIs) {
   ASSERT_TRUE(read("a/composite/color/000001.png", first));
   ASSERT_TRUE(read("a/composite/color/000050.png", last));
   ASSERT_TRUE(read("b/composite/color/000050.png", again));
-  const auto red = [](const Image<Rgb8>& picture) {  // middle of what is of the ball's colour
-    Eigen::Vector2d at = Eigen::Vector2d::Zero();
-    double count = 0;
-    for (int y = 0; y < picture.height(); ++y)
-      for (int x = 0; x < picture.width(); ++x)
-        if (const Rgb8 c = picture.at(x, y); c.r > 2 * c.g && c.r > 2 * c.b && c.r > 60)
-          at += Eigen::Vector2d(x, y), ++count;
-    EXPECT_GT(count, 5);
-    return Eigen::Vector2d(at / std::max(1.0, count));
-  };
+  const auto red =
+      [](const Image<Rgb8>& picture) {  // centre of the pixels that have the ball's colour
+        Eigen::Vector2d at = Eigen::Vector2d::Zero();
+        double count = 0;
+        for (int y = 0; y < picture.height(); ++y)
+          for (int x = 0; x < picture.width(); ++x)
+            if (const Rgb8 c = picture.at(x, y); c.r > 2 * c.g && c.r > 2 * c.b && c.r > 60)
+              at += Eigen::Vector2d(x, y), ++count;
+        EXPECT_GT(count, 5);
+        return Eigen::Vector2d(at / std::max(1.0, count));
+      };
   EXPECT_GT((red(last) - red(first)).norm(), 2);  // px
   for (int y = 0; y < last.height(); ++y)
     ASSERT_TRUE(std::equal(last.row(y), last.row(y) + last.width(), again.row(y))) << y;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A live rig whose fisheye has a rate of its own, tracked while it runs: a studio take is the rig,
-// the time is injected.
+// A live rig whose fisheye has its own rate is tracked while it runs: a studio take is the rig, the
+// time is injected.
 #include <thread>
 
 #include "host/capture/take/take.h"
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using capture::PoseLoss;
 
-constexpr HostTime kBegin{500s};  ///< of the take's first frame
+constexpr HostTime kBegin{500s};  ///< host time of the take's first frame
 
 /// When the pictures of a take are due.
 struct Due {
@@ -60,7 +60,7 @@ class TrackedRig : public TrackedTake {
         << "/fisheye\"\n[depth]\nname = \"depth\"\nuri = \"take:" << path("take") << "/depth\"\n";
   }
 
-  /// Advances the time while the session runs, as fast as all that is due is composited.
+  /// Advances the time while the session runs, only as fast as all due frames are composited.
   static void crank(SteppedClock& clock, session::Session& session, const Composited& composited,
                     const Due& due, const std::atomic<bool>& done) {
     const auto waits = [&](auto condition) {
@@ -114,7 +114,7 @@ void TrackedRig::is_followed() {
   EXPECT_EQ(report->live->streams[1].name, "fisheye");
   EXPECT_EQ(report->live->streams[1].health.frames, 16U) << "10 Hz of its own";
   EXPECT_GE(poses_.size(), 36U);
-  // Its first two pictures are not paired yet; the third comes in 0.25 s.
+  // The fisheye's first two pictures are not paired yet; the third comes after 0.25 s.
   int lost_later = 0;
   for (const auto& [number, pose] : poses_) lost_later += number > 9 && !pose.ok() ? 1 : 0;
   EXPECT_EQ(lost_later, 0);
@@ -146,7 +146,7 @@ void TrackedRig::is_lost_where_the_fisheye_is_unplugged() {
   EXPECT_GE(report->pose.frames.frames[static_cast<std::size_t>(PoseLoss::kNoPicture)], 14U);
 }
 
-// One take and one room for both.
+// Both cases share one take and one room.
 TEST_F(TrackedRig, IsFollowedUntilItsFisheyeIsUnplugged) {
   is_followed();
   poses_.clear();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A room is scanned, then a hand-held camera is tracked in it by its fisheye: mixrig track, and
-// mixrig run with pose = "tracker". The bounds were chosen on seeds 5 and 6; the test has 33.
+// A room is scanned, then a hand-held camera is tracked in it by its fisheye: `mixrig track`, and
+// `mixrig run` with pose = "tracker". The bounds were chosen on seeds 5 and 6; the test uses seed
+// 33.
 #include <fstream>
 
 #include "host/math/image_io/image_io.h"

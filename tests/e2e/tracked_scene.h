@@ -13,13 +13,13 @@
 
 namespace mixrig::test {
 
-/// Where the room of a studio sweep truly stands.
+/// True pose of the room of a studio sweep.
 inline nlohmann::json world_from_base(const std::string& take) {
   std::ifstream file(take + "/truth/rig.json");
   return nlohmann::json::parse(file).at("world_from_base");
 }
 
-/// The take's own scene with the tracker and the scanned room.
+/// Returns the take's own scene with the tracker and the scanned room added.
 inline std::string tracker_scene(const std::string& take, const std::string& room,
                                  const nlohmann::json& place) {
   std::ifstream file(take + "/scene.toml");
@@ -39,8 +39,8 @@ inline std::string tracker_scene(const std::string& take, const std::string& roo
   return "calibration = \"truth/calibration.toml\"\n" + scene;
 }
 
-/// A scanned room "room" and a hand-held take "take" with its fisheye in it. Seed 33: the bounds of
-/// the tracker were chosen on seeds 5 and 6.
+/// A scanned room "room", and in it a hand-held take "take" with a fisheye. Seed 33: the tracker's
+/// bounds were chosen on seeds 5 and 6.
 class TrackedTake : public CommandTest {
  protected:
   void make_room_and_take(int frames) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rig that pans, live: the emulated pan-tilt unit turns, byte for byte behind its driver; the
-// cameras see the room at its angle. The head moves, the object stays where it is in the room.
+// A live rig that pans: the emulated pan-tilt unit turns, byte for byte behind its driver; the
+// cameras see the room at its angle; the virtual object must stay where it is in the room.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -35,7 +35,7 @@ constexpr double kFocal_px = 140, kCentre_px = 79.5,
                  kStep_rad = 185.1428 / 3600 * std::numbers::pi / 180;
 constexpr int kTurnFrames = 60, kFarthest_steps = 430;  // 22 degrees to either side
 
-/// The unit, for two threads.
+/// The emulated unit, used by two threads.
 class Unit {
  public:
   void receive(std::span<const std::uint8_t> bytes, HostTime now) {
@@ -50,7 +50,7 @@ class Unit {
     waiting.erase(0, count);
     return count;
   }
-  /// From another controller, whose answers the host does not see.
+  /// Gives the unit a command from another controller; the host does not see the answers.
   void order(const std::string& words, HostTime now) {
     const std::lock_guard lock(mutex_);
     const std::size_t kept = unit_.output().size();
@@ -67,7 +67,7 @@ class Unit {
   fake::FlirPtuEmulator unit_;
 };
 
-/// The host's end of its line; bytes take no time.
+/// The host's end of the unit's serial line; bytes take no time.
 class Line final : public device::ByteStream {
  public:
   Line(Unit& unit, Clock& clock) : unit_(unit), clock_(clock) {}
@@ -84,7 +84,7 @@ class Line final : public device::ByteStream {
   Clock& clock_;
 };
 
-/// A camera that delivers what a test draws.
+/// A camera that delivers pictures drawn by the test.
 class BarCamera final : public device::Camera {
  public:
   using Draw = std::function<void(std::span<std::uint8_t>)>;
@@ -142,7 +142,7 @@ class BarCamera final : public device::Camera {
   std::uint64_t sequence_ = 0;
 };
 
-/// Columns in a composite.
+/// Columns of bar and object in a composite.
 struct Columns {
   double bar_px = 0, object_px = 0;
   bool pose = false;
@@ -182,7 +182,7 @@ class TurningHead : public ::testing::Test {
   void SetUp() override {
     session_.scene.path = "scene.toml";
     session_.scene.pose_source = scene::PoseSource::kPanTilt;
-    // The base stands so that the camera at angles zero has the world's axes.
+    // The base is placed so that the camera has the world's axes at angles zero.
     session_.scene.camera.world_from_base.rotation =
         Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()));
     calibration_file::Calibration chain;
@@ -225,7 +225,7 @@ class TurningHead : public ::testing::Test {
     return *std::move(source);
   }
 
-  /// 10 ms pass, and the head answers twice after them.
+  /// Advances 10 ms and waits until the head has answered twice after that.
   void tick() {
     clock_.advance(10ms);
     const auto answers = [&] { return session_.source->report()->pan_tilt_samples; };
@@ -239,12 +239,12 @@ class TurningHead : public ::testing::Test {
         rgb[i] = static_cast<std::uint8_t>(room_.luminance(
             static_cast<int>(i / 3 % static_cast<std::size_t>(kSize.width)), pan_rad));
     });
-    // A round wall: its depth does not change as the camera turns.
+    // A cylindrical wall: its depth does not change while the camera turns.
     depth_->expose([](std::span<std::uint8_t> steps) {
       for (std::size_t i = 0; i < steps.size(); i += 2) steps[i] = 0xd0, steps[i + 1] = 0x07;
     });
   }
-  /// The unit swings to and fro at 0.36 rad/s while kTurnFrames pictures are taken.
+  /// Swings the unit to and fro at 0.36 rad/s while kTurnFrames pictures are taken.
   void swing() {
     ASSERT_TRUE(comes_true([&] { return done_ || (color_->streams() && depth_->streams()); }));
     unit_.order("PS400 ", clock_.now());
@@ -268,7 +268,7 @@ class TurningHead : public ::testing::Test {
 
   const TemporaryFolder folder_;
   const TurningRoom room_{kFocal_px, kCentre_px};
-  // Straight ahead at 1 m, in the lower half of the picture.
+  // The object is straight ahead at 1 m, in the lower half of the picture.
   const Quad quad_{{-0.05F, 0.05F}, {0.05F, 0.2F}, 1};
   SteppedClock clock_;
   Unit unit_;
@@ -299,8 +299,8 @@ TEST_F(TurningHead, TheObjectStaysInTheRoom) {
     high_px = std::max(high_px, seen.object_px);
   }
   EXPECT_GE(known, kTurnFrames - 10);
-  // The head moves: 0.4 rad in all. The object stays: half a pixel is what whole
-  // pixels of the mask leave open, a quarter is two of the unit's steps.
+  // The head moves by 0.4 rad in all. The object stays within 0.75 px: half a pixel for the whole
+  // pixels of the mask, a quarter for two of the unit's steps.
   EXPECT_GT(high_px - low_px, 0.4 * kFocal_px);
   EXPECT_LT(worst_px, 0.75);
   std::printf("%d frames, object from column %.1f to %.1f, at most %.2f px from the bar\n", known,

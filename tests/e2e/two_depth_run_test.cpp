@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rig of two depth cameras, run live: a take of the studio is its three cameras.
+// A rig of two depth cameras runs live: a take of the studio serves as its three cameras.
 #include <algorithm>
 #include <regex>
 
@@ -35,11 +35,11 @@ class TwoDepthRun : public CommandTest {
   }
 };
 
-/// Each depth picture of the live run is one of the run of the take, to the bit, and none of a run
-/// with the first camera alone.
+/// Each depth picture of the live run equals one of the run of the take bit by bit, and none equals
+/// one of a run with the first camera alone.
 TEST_F(TwoDepthRun, IsCompositedLiveAsFromTheTake) {
-  // Those after the five learned ones pass while the compositor opens, which took two to four
-  // seconds at a load of 6: they are many, and a second apart, so that two are left.
+  // The frames after the five learned ones pass while the compositor opens, which takes two to four
+  // seconds at a load of 6. There are many frames, a second apart, so that two are left.
   constexpr double kFrame_s = 1;
   constexpr int kFrames = 18;
   ASSERT_EQ(

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Khronos' glTF validator (package gltf-validator of the npm registry) says of a file, as JSON.
-// usage: node validate_glb.cjs FOLDER FILE   FOLDER: node_modules/gltf-validator
+// Prints the report of Khronos' glTF validator (npm package gltf-validator) for a file, as JSON.
+// usage: node validate_glb.cjs FOLDER FILE; FOLDER is node_modules/gltf-validator
 const fs = require('fs');
 const path = require('path');
 const [folder, file] = process.argv.slice(2);

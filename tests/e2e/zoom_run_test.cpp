@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mixrig run` on a studio take whose lens zooms in by two: with the lens table of its calibration,
-// and with the lens of the first frame. The seed is held out (tests/support/seeds.h); the bounds
-// are from seeds below.
+// `mixrig run` on a studio take whose lens zooms in by a factor of two: once with the lens table of
+// its calibration, once with the lens of the first frame. The seed is held out
+// (tests/support/seeds.h); the bounds were chosen on seeds below 1000.
 #include <gtest/gtest.h>
 
 #include "tests/e2e/command.h"
@@ -37,9 +37,9 @@ TEST_F(ZoomRun, FollowsTheLensByItsTable) {
   const auto fx_px = lens.at("fx_px").get<std::vector<double>>();
   EXPECT_NEAR(fx_px[1] / fx_px[0], 2, 0.15);
 
-  // frames.csv has the view of each frame, which zooms as the true one does. The focal length
-  // doubles in 0.28 s, and between samples 20 ms apart a line is taken: in the middle of z(t) =
-  // 3 t^2 - 2 t^3 it is off by up to ln 2 * 6 / 0.28^2 * 0.02^2 / 8 = 0.27 %.
+  // frames.csv has the view of each frame, which zooms like the true one. The focal length doubles
+  // in 0.28 s and is interpolated linearly between samples 20 ms apart: in the middle of z(t) = 3
+  // t^2 - 2 t^3 it is off by up to ln 2 * 6 / 0.28^2 * 0.02^2 / 8 = 0.27 %.
   const auto views = column(path("out_scene_zoom.toml/frames.csv"), 10);
   const auto true_views = column(path("take/truth/lens.csv"), 1);
   ASSERT_EQ(views.size(), 8U);

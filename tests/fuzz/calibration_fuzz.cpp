@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// calibration.toml and camera files of other tools, of any bytes. What is read must be written and
-// read again as the same.
+// Any bytes as calibration.toml and as camera files of other tools. An accepted file must be
+// written and read again as the same.
 #include <cstdint>
 #include <cstdlib>
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenEXR files of any bytes: channels of one size, or an error of one line.
+// Any bytes as OpenEXR files: the result is channels of one size, or an error of one line.
 #include <cstdint>
 #include <cstdlib>
 #include <string>

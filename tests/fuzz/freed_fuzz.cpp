@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// FreeD packets of any bytes: what is accepted is written as the same bytes.
+// Any bytes as FreeD packets: an accepted packet is written as the same bytes.
 #include <algorithm>
 #include <cstdlib>
 

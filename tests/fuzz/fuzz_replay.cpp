@@ -16,7 +16,7 @@
 
 namespace {
 
-/// By name. Filled before main() by the files of the targets.
+/// Targets by name. The files of the targets fill it before main().
 std::map<std::string_view, mixrig::fuzz::Target>& targets() {
   static std::map<std::string_view, mixrig::fuzz::Target> all;
   return all;

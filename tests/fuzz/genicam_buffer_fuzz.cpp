@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A GenICam buffer whose format, geometry and length may contradict: nothing is read or written
-// beyond either end (AddressSanitizer checks it).
+// A GenICam buffer whose format, geometry and length may contradict each other: nothing is read or
+// written beyond either end (AddressSanitizer checks it).
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -25,14 +25,14 @@ MIXRIG_FUZZ_TARGET(genicam_buffer) {
   const Size picture{static_cast<std::int8_t>(data[5]), static_cast<std::int8_t>(data[6])};
   const std::size_t bytes = device::declared_bytes(code, picture);
   if (picture.empty() && bytes != 0) std::abort();
-  // Exactly the picture may be written; sometimes there is less room than that.
+  // The destination has exactly the size of the picture, sometimes less.
   const PixelFormat format = device::format_of_pfnc(code);
   const std::size_t whole =
       device::image_bytes(format, picture, device::row_bytes(format, std::max(0, picture.width)));
   std::vector<std::uint8_t> out(data[1] % 4 == 0 ? whole / 2 : whole);
   const bool copied = device::copy_picture(code, picture, std::span(data, size).subspan(7), out);
   if (copied && bytes == 0) std::abort();
-  // The same bytes as two parts of a depth frame.
+  // The same bytes are also given as two parts of a depth frame.
   const std::size_t map = picture.empty() ? 0 : 2 * picture.area();
   std::vector<std::uint8_t> depth(data[2] % 4 == 0 ? map / 2 : map), amplitude(map),
       confidence(map);

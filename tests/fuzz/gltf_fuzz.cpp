@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// glTF models of any bytes. A model that is accepted holds together.
+// Any bytes as glTF models. An accepted model must be consistent.
 #include <cstdint>
 #include <cstdlib>
 

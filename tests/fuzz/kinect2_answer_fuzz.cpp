@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any bytes as answers of a Kinect v2 to commands. The first byte selects the answer; the table of
-// phase offsets is longer than inputs are, so that its bytes are repeated.
+// Any bytes as a Kinect v2's answers to commands. The first byte selects the answer. The table of
+// phase offsets is longer than the inputs; their bytes are repeated to fill it.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>

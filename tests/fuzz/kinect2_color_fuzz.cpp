@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bulk transfers of a Kinect v2's colour pipe, split anywhere. The first byte says the length of
-// transfers and whether the magic numbers and lengths of a packet are put in.
+// Bulk transfers of a Kinect v2's colour pipe, split anywhere. The first byte sets the length of
+// transfers and whether the magic numbers and lengths of a packet are filled in.
 #include <algorithm>
 #include <cstdlib>
 #include <vector>

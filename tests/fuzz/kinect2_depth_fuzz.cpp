@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Isochronous packets of a Kinect v2 in any order and length. Two bytes of the input make one
-// packet; the end of a picture is its footer, whose frame and picture the input gives too.
+// packet; the end of a picture is its footer, whose frame and picture number also come from the
+// input.
 #include <algorithm>
 #include <cstdlib>
 #include <vector>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Manifests and points of learned maps of any bytes.
+// Any bytes as manifests and points of learned maps.
 #include <cstdint>
 #include <cstdlib>
 #include <span>

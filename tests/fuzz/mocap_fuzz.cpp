@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Constellation files, external calibration files and motion-capture CSV of any bytes.
+// Any bytes as constellation files, external calibration files and motion-capture CSV.
 #include <string_view>
 
 #include "host/pose/mocap/external.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// NatNet packets of any bytes, in both layouts.
+// Any bytes as NatNet packets, in both layouts.
 #include <cmath>
 #include <cstdlib>
 

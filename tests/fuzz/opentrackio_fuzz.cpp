@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenTrackIO of any bytes: as a datagram, as segments of samples, as JSON and as CBOR.
+// Any bytes as OpenTrackIO: as a datagram, as segments of samples, as JSON and as CBOR.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -16,7 +16,7 @@ void check_payload(std::span<const std::byte> bytes, mixrig::stream::OpenTrackEn
   if (!pose.translation_m.allFinite() || std::abs(pose.rotation.norm() - 1) > 1e-6) std::abort();
 }
 
-/// Short pieces of the bytes with a header that their first bytes choose.
+/// Assembles short pieces of the bytes under headers that the first bytes select.
 void check_segments(std::span<const std::byte> bytes) {
   using namespace mixrig::stream;
   OpenTrackAssembler assembler;
@@ -42,7 +42,7 @@ MIXRIG_FUZZ_TARGET(opentrackio) {
   const auto segment = parse_opentrack_datagram(bytes);
   if (!segment) return 0;
   check_payload(segment->payload, segment->encoding);
-  // What is accepted is written as the same bytes, but for the reserved one and the checksum.
+  // An accepted segment is written as the same bytes, except the reserved byte and the checksum.
   auto again = opentrack_datagram(*segment);
   again[4] = bytes[4];
   for (std::size_t i = 0; i < again.size(); ++i)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Datagrams of control surfaces: messages keep their bounds, and become actions or one-line errors.
+// Datagrams of control surfaces: messages stay within their bounds, and become actions or one-line
+// errors.
 #include <cstdlib>
 #include <string_view>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages of the page's event socket: each is answered with JSON that says whether it was done.
+// Messages of the page's event socket: each is answered with JSON that states whether it was done.
 #include <cstdlib>
 #include <string_view>
 

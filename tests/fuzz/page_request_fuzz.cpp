@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Requests of the page's interface: METHOD TARGET, a line end, the body; each is a command or a
-// refusal that is JSON.
+// Requests of the page's interface (METHOD TARGET, a line end, the body): each becomes a command or
+// a refusal in JSON.
 #include <algorithm>
 #include <cstdlib>
 #include <string_view>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PNG and JPEG decoding of any bytes.
+// Any bytes as PNG and JPEG pictures.
 #include <cstdint>
 #include <cstdlib>
 

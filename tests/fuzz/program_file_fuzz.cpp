@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kept programs: what is accepted lies within the file.
+// Any bytes as a stored shader program: an accepted program lies within the file.
 #include <cstdlib>
 #include <string_view>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An answer of a RealSense camera: what is accepted is a pinhole inside the picture. With an even
-// first byte the CRC is made right, so that what lies behind it is reached.
+// An answer of a RealSense camera: an accepted one is a pinhole inside the picture. If the first
+// byte is even, the CRC is corrected, so that the code behind the check is reached.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// rig.toml of any bytes; an accepted one is written and must read back as the same rig.
+// Any bytes as rig.toml; an accepted one is written and must read back as the same rig.
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>

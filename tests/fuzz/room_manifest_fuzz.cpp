@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Manifests of scanned rooms, of joined ones and of backgrounds of any bytes, without the pictures
-// beside them.
+// Any bytes as manifests of scanned rooms, joined rooms and backgrounds, without their pictures.
 #include <cstdint>
 #include <cstdlib>
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Changes of any text that may be a scene: what comes out is a scene with the change, or an error.
+// Changes of any text that may be a scene: the result is a scene with the change, or an error.
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// scene.toml of any bytes, without the models that it names.
+// Any bytes as scene.toml, without the models that it names.
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// take.toml of any bytes; one that is accepted is written and read again.
+// Any bytes as take.toml; an accepted one is written and read again.
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>

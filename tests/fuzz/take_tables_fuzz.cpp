@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// ticks.csv, pan_tilt.csv, lens.csv, fisheye.csv and bracket.csv of any bytes; rows of the lens,
-// the fisheye and the bracket that are accepted are written and read again.
+// Any bytes as ticks.csv, pan_tilt.csv, lens.csv, fisheye.csv and bracket.csv; accepted rows of the
+// lens, the fisheye and the bracket are written and read again.
 #include <cstdint>
 #include <cstdlib>
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pose files and file lists of any bytes.
+// Any bytes as pose files and file lists.
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>

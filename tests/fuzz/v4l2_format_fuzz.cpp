@@ -12,7 +12,7 @@
 
 namespace {
 
-/// Reads numbers from the input; zeros after its end.
+/// Reads numbers from the input; after its end it returns zeros.
 class Numbers {
  public:
   Numbers(const std::uint8_t* data, std::size_t size) : data_(data), left_(size) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Angles of a pan-tilt unit from any bytes: whole, in range, or refused.
+// Any bytes as angles of a pan-tilt unit: whole and in range, or refused.
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages of the WebRTC socket: what is accepted is written anew, and means the same.
+// Messages of the WebRTC socket: an accepted message is written again and means the same.
 #include <cstdlib>
 #include <string_view>
 

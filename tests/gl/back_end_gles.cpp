@@ -14,7 +14,7 @@ namespace {
 
 using namespace render::gles;
 
-/// A context for one call.
+/// A GL context that lasts for one call.
 struct PassContext {
   Result<EglContext> context = EglContext::create();
   PassContext() { EXPECT_TRUE(context) << context.error().context; }

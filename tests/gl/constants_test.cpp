@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numbers that both back ends share (host/render/contract/constants.h) are the same in the
+// The numbers that both back ends share (host/render/contract/constants.h) must be the same in the
 // shaders.
 #include <cctype>
 #include <cstdlib>
@@ -15,7 +15,7 @@
 namespace mixrig::test {
 namespace {
 
-/// "reach_ramp_px" of "ReachRampPx".
+/// Converts a C++ name to the one in GLSL: "ReachRampPx" to "reach_ramp_px".
 std::string in_glsl(const std::string& name) {
   std::string out;
   for (const char c : name) {
@@ -25,7 +25,7 @@ std::string in_glsl(const std::string& name) {
   return out;
 }
 
-/// The numbers of the headers that both back ends share, by their name in GLSL.
+/// Numbers of the headers that both back ends share, by their GLSL name.
 std::map<std::string, double> shared_numbers() {
   static const std::regex kDefinition(
       R"(inline constexpr (?:int|float|double) k(\w+)\s*=\s*([^;]+);)");

@@ -24,7 +24,7 @@ TEST_F(EglContextTest, offers_gles_3_1_with_float_targets) {
   glGetIntegerv(GL_MINOR_VERSION, &minor);
   EXPECT_GE(10 * major + minor, 31);
   EXPECT_TRUE(context_->has_extension("GL_EXT_color_buffer_float"));
-  EXPECT_FALSE(context_->has_extension("GL_EXT_color_buffer"));  // no part of a name
+  EXPECT_FALSE(context_->has_extension("GL_EXT_color_buffer"));  // no prefix of a name
 }
 
 TEST_F(EglContextTest, second_context_leaves_the_first_usable) {
@@ -65,7 +65,7 @@ TEST(MayHaveGpu, by_device_files) {
   EXPECT_FALSE(may_have_gpu(dev.path()));
   EXPECT_FALSE(may_have_gpu(dev.path() / "missing"));
   std::filesystem::create_directory(dev.path() / "dri");
-  std::ofstream(dev.path() / "dri" / "card0");  // a screen alone
+  std::ofstream(dev.path() / "dri" / "card0");  // a display device without a render node
   EXPECT_FALSE(may_have_gpu(dev.path()));
   std::ofstream(dev.path() / "mali0");
   EXPECT_TRUE(may_have_gpu(dev.path()));
@@ -105,7 +105,7 @@ TEST(NameFiles, turns_numbers_into_names_in_every_drivers_style) {
 }
 
 TEST(Convention, pixel_centres_become_clip_coordinates) {
-  // A point of pixel (0,0) of a 4 x 2 picture: half a pixel inside the corner.
+  // A point at pixel (0,0) of a 4 x 2 picture is half a pixel inside the corner.
   const render::PinholeParams camera{{2, 2}, {1.5F, 0.5F}};
   const glm::vec4 corner = clip_from_camera(camera, {4, 2}) * glm::vec4(-0.75F, -0.25F, 1, 1);
   EXPECT_FLOAT_EQ(corner.x / corner.w, -0.75F);
@@ -114,7 +114,7 @@ TEST(Convention, pixel_centres_become_clip_coordinates) {
   EXPECT_FLOAT_EQ(near.z / near.w, 1);
   const glm::vec4 two = clip_from_camera(camera, {4, 2}) * glm::vec4(0, 0, 2, 1);
   EXPECT_NEAR(z_from_window_depth(0.5F * two.z / two.w + 0.5F), 2, 1e-4);
-  // Homogeneous: (x, y, z, w) and (x, y, z) / w are the same point.
+  // Coordinates are homogeneous: (x, y, z, w) and (x, y, z) / w are the same point.
   const glm::vec4 scaled = clip_from_camera(camera, {4, 2}) * glm::vec4(0, 0, 1, 0.5F);
   EXPECT_FLOAT_EQ(scaled.z / scaled.w, two.z / two.w);
 }
@@ -122,7 +122,7 @@ TEST(Convention, pixel_centres_become_clip_coordinates) {
 TEST(Convention, window_samples_lie_at_quarter_pixels) {
   const render::PinholeParams camera{{10, 10}, {5, 5}};
   const render::PinholeParams window = window_of(camera, {2, 3}, 2);
-  // Ray 0.1 is pixel 6: samples 2 (6 - 2) + {0, 1}, at 5.75 and 6.25.
+  // A ray of 0.1 is at pixel 6, whose samples 2 (6 - 2) + {0, 1} lie at 5.75 and 6.25.
   const float at = window.focal_px.x * 0.075F + window.center_px.x;
   EXPECT_FLOAT_EQ(at, 8);
   EXPECT_FLOAT_EQ(window.focal_px.y * 0.125F + window.center_px.y, 7);

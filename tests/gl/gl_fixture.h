@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A context for the tests of passes, and what they read textures with.
+// An OpenGL ES context for the tests of passes, and functions that read textures.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,8 @@
 
 namespace mixrig::test {
 
-/// One context a suite. Without EGL the tests fail: a machine that builds gles must draw.
+/// One context per test suite. Without EGL the tests fail: a machine that builds gles must be able
+/// to draw.
 class GlTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -26,7 +27,7 @@ class GlTest : public testing::Test {
   static inline std::unique_ptr<render::gles::EglContext> context_;
 };
 
-/// All channels of a texture that can be drawn into: floats as they are, bytes over 255.
+/// All channels of a texture that can be drawn into: floats unchanged, bytes divided by 255.
 inline Image<glm::vec4> read(const render::gles::Texture& texture) {
   auto target = render::gles::make_target({&texture});
   EXPECT_TRUE(target);

@@ -26,7 +26,7 @@ bool same(const Image<T>& a, const Image<T>& b) {
   return true;
 }
 
-/// Images that differ, among those of `which`.
+/// The images among `which` that differ between two frames.
 OutputMask differing(const FrameOutput& a, const FrameOutput& b, OutputMask which) {
   OutputMask out = 0;
   render::for_each_image(a, b, [&](OutputMask bit, const auto& left, const auto& right) {
@@ -44,7 +44,7 @@ class InFlight : public testing::TestWithParam<const char*> {
     return made ? std::move(*made) : nullptr;
   }
   static constexpr Size kView{160, 120}, kTof{64, 48};
-  /// The room from a place of its own for each number.
+  /// A frame of the room from a camera position that depends on `number`.
   static render::FrameInput frame(const RoomSetup& room, int number) {
     render::FrameInput input = room.frame();
     input.world_from_target.translation_m.x() = 0.05 * number;

@@ -29,7 +29,7 @@ class LightPassTest : public GlTest {
     tables_.background_normal.reset(kLightView, {0, 0, -127, 0});
     params_.light.ambient = glm::vec3(0.25F);
     setup_.light.lamps.resize(1);
-    // Lamp at the camera's left, looking along z; its map spans 2 m to either side at 1 m.
+    // The lamp is at the camera's left and looks along z; its map spans 2 m to either side at 1 m.
     lamp_.position_m = {-0.5F, 0, 0};
     lamp_.intensity = glm::vec3(9);
     lamp_.lamp_from_camera[3] = glm::vec4(0.5F, 0, 0, 1);
@@ -43,14 +43,14 @@ class LightPassTest : public GlTest {
   static glm::vec3 wall_at(int x, int y) {
     return kWallM * glm::vec3((glm::vec2(x, y) - 15.5F) / 32.0F, 1);
   }
-  /// Of the lamp on the wall, by the formula for single points.
+  /// Irradiance of the wall by the lamp, by the formula for single points.
   float irradiance_at(const glm::vec3& wall) const {
     const auto to_eigen = [](const glm::vec3& v) { return render::to_eigen(glm::dvec3(v)); };
     return lamp_.intensity.r *
            static_cast<float>(geometry::irradiance({.position_m = to_eigen(lamp_.position_m)},
                                                    to_eigen(wall), -Eigen::Vector3d::UnitZ()));
   }
-  /// Draws the map of `caster` and gives the light of the wall.
+  /// Draws the shadow map of `caster` and returns the light on the wall.
   Image<glm::vec4> draw(const Quad& caster) {
     params_.draws = {draw_of(caster, tables_.warp.view)};
     meshes_.clear();
@@ -82,7 +82,7 @@ TEST_F(LightPassTest, shadow_of_a_point_lamp_lies_where_rays_are_cut) {
       const glm::vec3 wall = wall_at(x, y);
       const glm::vec3 hit = 0.5F * (wall + lamp_.position_m);  // the ray at z = 1.5
       const float inside = std::min(std::min(hit.x + 0.3F, 0.1F - hit.x), 0.2F - std::abs(hit.y));
-      if (std::abs(inside) < 0.06F) continue;  // two texels and the filter's one
+      if (std::abs(inside) < 0.06F) continue;  // two texels of the map and one of the filter
       const float expected = inside > 0 ? 0.25F / (0.25F + irradiance_at(wall)) : 1;
       EXPECT_NEAR(light.at(x, y).r, expected, 1e-3F) << x << "," << y;
       dark += inside > 0;
@@ -98,7 +98,7 @@ TEST_F(LightPassTest, large_lamp_has_a_penumbra_and_a_panel_lights_one_side) {
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 32; ++x) between += soft.at(x, y).r > 0.4F && soft.at(x, y).r < 0.95F;
   EXPECT_GT(between, 20);
-  params_.lamps[0].direction = {0, 0, -1};  // turns its back on the wall: there is no light to lose
+  params_.lamps[0].direction = {0, 0, -1};  // faces away from the wall: no light to lose
   const auto away = draw(caster);
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 32; ++x) EXPECT_EQ(away.at(x, y).r, 1);
@@ -126,9 +126,9 @@ TEST_F(LightPassTest, person_takes_the_shadow_of_its_own_surface) {
   ASSERT_TRUE(shadow->draw(params_, meshes_));
   light->set_lamps(params_);
   const Image<float> wall_m(kLightView, kWallM),
-      person_w(kLightView, 1.0F);  // a person at 1 m, before all
+      person_w(kLightView, 1.0F);  // a person at 1 m, in front of everything
   light->draw_background(make_texture(wall_m.view(), GL_R32F), shadow->maps());
-  // Left half person, right half background.
+  // The left half is person, the right half background.
   const auto matte = make_image<std::uint8_t>(
       kLightView, [](int x, int) { return static_cast<std::uint8_t>(x < 16 ? 255 : 0); });
   const Image<float> blocks({4, 4}, static_cast<float>(kMayShowPeople));
@@ -164,7 +164,7 @@ TEST_F(LightPassTest, virtual_surface_is_shaded_by_lamp_and_ambient) {
   EXPECT_NEAR(color.at(20, 15).g, 0.5F * 0.25F * sum, 0.004F);
   EXPECT_EQ(color.at(20, 15).a, 1);
   EXPECT_NEAR(w.at(20, 15).r, 1 / kWallM, 1e-5F);
-  EXPECT_EQ(color.at(2, 15), glm::vec4(0));  // outside the rectangle
+  EXPECT_EQ(color.at(2, 15), glm::vec4(0));  // outside the drawn rectangle
 }
 
 }  // namespace

@@ -19,7 +19,8 @@ float srgb_byte(float linear) {
          (linear <= 0.0031308F ? 12.92F * linear : 1.055F * std::pow(linear, 1 / 2.4F) - 0.055F);
 }
 
-/// All pixels alike: plate 0.5 grey, wall at 4 m, virtual layer and person as each test says.
+/// All pixels are alike: plate 0.5 grey, wall at 4 m, virtual layer and person as each test sets
+/// them.
 class MixPassTest : public GlTest {
  protected:
   struct Out {
@@ -83,7 +84,8 @@ TEST_F(MixPassTest, half_covered_pixel_of_a_person_is_matted_with_the_learned_wa
   w = 0.5F;
   light = 0.5F;
   shaded = {0.1F, 0.15F, 0.025F, 0.5F};
-  // P s + (1 - a) (C - v B s) = 0.25 + 0.8 (0.15 - 0.5 x 0.1) = 0.33 in green; P = 0.5029.
+  // Expected: P s + (1 - a) (C - v B s) = 0.25 + 0.8 (0.15 - 0.5 x 0.1) = 0.33 in green, with P =
+  // 0.5029.
   const Out out = draw();
   EXPECT_NEAR(out.color.g, srgb_byte(0.2514F + 0.8F * (0.15F - 0.05F)), 1);
   EXPECT_EQ(out.layer, static_cast<int>(render::Layer::kBackground));  // 0.4 of it is virtual
@@ -107,9 +109,10 @@ TEST_F(MixPassTest, gain_of_the_camera_brightens_the_object) {
   EXPECT_NEAR(out.color.b, srgb_byte(0.025F), 1);
 }
 
-/// Covered by half, so that the curve is asked for the colour itself.
+/// The pixel is half covered; the tone curve must be applied to the object's own colour, before it
+/// is weighted by coverage.
 TEST_F(MixPassTest, tones_of_the_camera_are_those_of_the_object) {
-  tone.bends = true;  // as it is up to a quarter, half of what is brighter
+  tone.bends = true;  // slope 1 up to a quarter, one half above
   for (std::size_t i = 4; i < tone.slope.size(); ++i) tone.slope[i] = glm::vec3(0.5F);
   shaded = {0.05F, 0.3F, 0.2F, 0.5F};
   const Out out = draw();

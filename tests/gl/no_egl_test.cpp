@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A machine without an EGL driver: its own program, since a process loads its drivers once.
+// A machine without an EGL driver. This is a separate program, since a process loads its drivers
+// once.
 #include <cstdlib>
 
 #include <gtest/gtest.h>

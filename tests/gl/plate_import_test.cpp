@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Camera pictures read in place: samples become what the decoder of the host makes of them, buffers
-// are imported once, and what cannot be imported is copied. Real imports: tests/board.
+// Camera pictures read in place: samples are decoded as by the host's decoder, buffers are imported
+// once, and pictures that cannot be imported are copied. Real imports are tested in tests/board.
 #include "host/render/gles/plate/plate_import.h"
 
 #include <optional>
@@ -39,7 +39,7 @@ RawPicture raw_of(RawLayout layout, Size size, const std::vector<std::uint8_t>& 
   return {.layout = layout, .size = size, .stride_bytes = stride, .bytes = bytes, .yuv = kYuv};
 }
 
-/// The planes as an import would give them.
+/// The picture's planes as textures, as an import would provide them.
 ImportedPlanes textures_of(const RawPicture& picture) {
   ImportedPlanes out;
   const PlaneLayouts layouts = planes_of(picture);
@@ -99,7 +99,7 @@ TEST_F(DecodePassTest, every_layout_becomes_the_bytes_of_the_host) {
   }
 }
 
-// Each byte survives its way to linear light and back.
+// Each byte survives the conversion to linear light and back.
 TEST_F(DecodePassTest, every_grey_stays) {
   std::vector<std::uint8_t> bytes(256);
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(i);
@@ -111,7 +111,7 @@ TEST_F(DecodePassTest, products_of_24_bits_are_whole) {
   const auto bytes = noise(64 * 64);
   RawPicture picture = raw_of(RawLayout::kYuyv, {32, 64}, bytes, 64);
   see({32, 64});
-  // Limited BT.2020 in 1/65536.
+  // Coefficients of limited-range BT.2020 in 1/65536.
   picture.yuv = {76309, 0, 32768 - 16 * 76309, 110013, -12277, -42626, 140363, 16};
   EXPECT_EQ(differing(picture), 0);
 }
@@ -140,7 +140,7 @@ TEST(Planes, of_each_layout_are_plain_samples) {
   EXPECT_EQ(planes.planes[0].size, (Size{640, 481}));
 }
 
-/// A driver that counts.
+/// A driver that counts its calls.
 struct FakeDriver {
   int created = 0, destroyed = 0, attached = 0;
   int refuse_from = 1 << 30;  ///< number of the first call that fails

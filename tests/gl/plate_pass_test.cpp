@@ -10,7 +10,8 @@ using namespace render::gles;
 
 class PlatePassTest : public GlTest {};
 
-/// 20 x 17 pixels: rows of 60 bytes, which no 4- or 8-byte rule divides by chance with stride 21.
+/// A picture of 20 x 17 pixels: its rows of 60 bytes fit no 4- or 8-byte rule by chance at stride
+/// 21.
 Image<Rgb8> steps() {
   return make_image<Rgb8>({20, 17}, [](int x, int y) {
     return Rgb8{static_cast<std::uint8_t>(12 * x), static_cast<std::uint8_t>(15 * y), 77};
@@ -34,7 +35,7 @@ TEST_F(PlatePassTest, samples_in_linear_light_and_clamps_at_the_border) {
   EXPECT_EQ(glm::round(255.0F * view.at(3, 7)), glm::vec4(36, 105, 77, 255));
   EXPECT_EQ(glm::round(255.0F * view.at(9, 0)), glm::vec4(0, 0, 77, 255));
   EXPECT_EQ(glm::round(255.0F * view.at(9, 1)), glm::vec4(228, 240, 77, 255));
-  // Half way between sRGB 120 and 132: linear 0.18782 and 0.23074, their mean is sRGB 126.2.
+  // Half way between sRGB 120 and 132, linear 0.18782 and 0.23074: their mean is sRGB 126.2.
   EXPECT_NEAR(255 * view.at(5, 5).r, 126.2F, 0.6F);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Programs that are kept between runs.
+// Compiled programs that are stored between runs.
 #include "host/render/gles/gl/program_file.h"
 
 #include <chrono>
@@ -44,7 +44,7 @@ TEST(ProgramFile, key_tells_texts_apart) {
   EXPECT_EQ(program_key({"a", "b"}), program_key({"a", "b"}));
 }
 
-/// A cache folder of its own.
+/// Uses its own cache folder.
 class KeptProgram : public GlTest {
  protected:
   KeptProgram() {
@@ -98,7 +98,7 @@ TEST_F(KeptProgram, is_built_again_where_the_file_is_damaged) {
     ASSERT_TRUE(make()) << cut;
     EXPECT_EQ(fs::file_size(path), size) << "written again";
   }
-  // Whole, but not of this driver.
+  // A valid file, but not of this driver.
   std::string file = read_program_file(path);
   const std::uint64_t key = std::stoull(path.stem().string(), nullptr, 16);
   std::ofstream(path, std::ios::binary) << to_program_file(key, {0x1234, "no program at all"});

@@ -28,17 +28,17 @@ struct RoomSetup {
   render::CompositorSetup setup;
   Image<Rgb8> plate;    ///< with the person
   Image<float> depth;   ///< with the person
-  Image<float> depth2;  ///< the same, of the second depth camera; empty without
+  Image<float> depth2;  ///< depth of the second ToF camera, with the person; empty without one
   render::FrameInput frame() const {
     return {.plate = plate, .tof_depth_m = depth, .world_from_target = {}, .tof2_depth_m = depth2};
   }
-  /// A horizontal square board of the learned room, `half_m` to each side of `at_m`, as far as it
-  /// is seen. Precondition: a still background.
+  /// Adds a horizontal square board to the learned background where the view sees it, `half_m` to
+  /// each side of `at_m`. Precondition: a still background.
   void put_board(const Eigen::Vector3d& at_m, double half_m);
-  /// A part of the learned back wall is a mirror whose depth has wrapped around. Precondition: a
+  /// Makes a part of the learned back wall a mirror whose depth has wrapped around. Precondition: a
   /// still background.
   void put_mirror();
-  /// Has the still background drawn for each pose. Precondition: Options::background.
+  /// Draws the still background anew for each pose. Precondition: Options::background.
   void draw_background_for_each_pose();
 
  private:

@@ -14,7 +14,7 @@ constexpr render::PinholeParams kVirtualView{{16, 16}, {7.5F, 7.5F}};
 
 class VirtualPassTest : public GlTest {
  protected:
-  /// A picture of the window `rect` for each of 2x2 samples.
+  /// Draws the window `rect` with 2x2 samples per pixel.
   void draw(const std::vector<const Quad*>& quads, render::Rect rect) {
     auto pass = VirtualPass::create();
     ASSERT_TRUE(pass) << pass.error().context;
@@ -43,7 +43,7 @@ class VirtualPassTest : public GlTest {
 };
 
 TEST_F(VirtualPassTest, covers_the_samples_inside_and_no_other) {
-  // At z = 2, from -0.4375 to 0.25: pixels 4.0 to 9.5.
+  // At z = 2 the edges at -0.4375 and 0.25 m are at pixels 4.0 and 9.5.
   const Quad quad({-0.4375F, -0.4375F}, {0.25F, 0.25F}, 2);
   draw({&quad}, {0, 0, 16, 16});
   const auto inside = [](float px) { return px > 4 && px < 9.5F; };
@@ -81,7 +81,7 @@ TEST_F(VirtualPassTest, culls_backs_unless_double_sided) {
   back.view.double_sided = true;
   draw({&back}, {0, 0, 16, 16});
   EXPECT_TRUE(covered(7, 7, 0));
-  // The normal turns to the camera: (0, 0, -1) as 0.5, 0.5, 0.
+  // The normal is turned towards the camera: (0, 0, -1), stored as 0.5, 0.5, 0.
   EXPECT_NEAR(normal_.at(15, 15).z, 0, 0.01F);
   EXPECT_NEAR(normal_.at(15, 15).x, 0.5F, 0.01F);
 }
@@ -107,7 +107,7 @@ TEST_F(VirtualPassTest, what_is_behind_the_camera_is_clipped) {
   floor.positions_m = {glm::vec3(-5, 1, -5), {5, 1, -5}, {5, 1, 5}, {-5, 1, 5}};
   floor.view.double_sided = true;
   draw({&floor}, {0, 0, 16, 16});
-  // Horizon at row 7.5; the far edge at 16 / 5 + 7.5 = 10.7; below it floor.
+  // The horizon is at row 7.5, the far edge at 16 / 5 + 7.5 = 10.7; below it is floor.
   EXPECT_FALSE(covered(8, 5, 0));
   EXPECT_FALSE(covered(8, 11, 0));  // row 10.625
   EXPECT_TRUE(covered(8, 11, 1));   // row 10.875

@@ -8,14 +8,14 @@
 namespace mixrig::test {
 namespace {
 
-/// The room's still background as a model that is drawn for each pose.
+/// The room's still background serves as a model that is drawn for each pose.
 TEST(WholeFrame, agrees_with_a_background_model_at_every_pose) {
   RoomSetup room(RoomSetup::Options{});
   room.draw_background_for_each_pose();
   Pair pair = make_pair(room);
   render::FrameInput frame = room.frame();
   expect_agreement(pair, frame);
-  // The picture of the room stays: what is compared is what both make of it.
+  // Plate and depth stay those of the first pose: the test compares the back ends only.
   frame.world_from_target.translation_m = {0.02, 0.01, 0};
   expect_agreement(pair, frame);
   frame.world_from_target.rotation =
@@ -23,8 +23,8 @@ TEST(WholeFrame, agrees_with_a_background_model_at_every_pose) {
   expect_agreement(pair, frame);
 }
 
-/// The box stands before a mirror whose depth has wrapped around, and on a floor that was learned
-/// too far.
+/// The object stands before a mirror whose depth has wrapped around, and on a floor whose learned
+/// depth is too large.
 TEST(WholeFrame, agrees_where_light_falls_on_planes_of_the_model) {
   RoomSetup room({.box_m = {0.5, 0.2, 3.2}});
   room.put_mirror();
@@ -37,7 +37,7 @@ TEST(WholeFrame, agrees_where_light_falls_on_planes_of_the_model) {
   EXPECT_TRUE(shows(pair.gles_frame, render::Layer::kVirtual));
 }
 
-/// A lens that zooms, shifts its pupil and distorts otherwise from frame to frame, and comes back.
+/// The lens zooms, shifts its pupil and changes its distortion from frame to frame, and comes back.
 TEST(WholeFrame, agrees_through_a_lens_that_moves) {
   RoomSetup room({.view = {327, 245}, .lens_k1 = -0.08});
   room.draw_background_for_each_pose();

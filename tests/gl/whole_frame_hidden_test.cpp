@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A frame that hides the objects is, to the bit, that of a setup without them; the set stays.
+// A frame that hides the objects equals, bit by bit, that of a setup without them; the set remains.
 #include <gtest/gtest.h>
 
 #include "host/render/contract/frame_io.h"
@@ -18,7 +18,7 @@ bool is_same(const Image<T>& a, const Image<T>& b) {
   return same;
 }
 
-/// All images, of both back ends.
+/// Expects that all images of both back ends are the same.
 void expect_same(const Pair& a, const Pair& b, const char* when) {
   const auto compare = [&](const char* back_end) {
     return [=](render::OutputMask bit, auto& of_a, auto& of_b) {
@@ -38,7 +38,7 @@ void compose(Pair& pair, const render::FrameInput& frame) {
   ASSERT_TRUE(second) << second.error().context;
 }
 
-/// Frames of one compositor that hides the objects now and then, against those of one that never
+/// Compares frames of a compositor that hides the objects now and then with those of one that never
 /// has them and of one that never hides them.
 void expect_hidden_as_without(RoomSetup& room, render::FrameInput frame) {
   room.setup.may_hide_objects = true;
@@ -78,7 +78,7 @@ void expect_hidden_as_without(RoomSetup& room, render::FrameInput frame) {
   expect_shown("shown, in the light of a frame that hid the objects", lit);
 }
 
-/// The box of the room is the set; a smaller one beside it is the object.
+/// Makes the room's box the set, and adds a smaller box beside it as the object.
 void add_object_to_set(RoomSetup& room) {
   room.setup.objects[0].in_set = true;
   render::VirtualObject object = room.setup.objects[0];

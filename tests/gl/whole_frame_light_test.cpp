@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Both back ends light a frame alike.
+// Both back ends light a frame the same way.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -14,7 +14,8 @@
 namespace mixrig::test {
 namespace {
 
-/// In the frame in which it changes and after it; a lamp that was turned off comes back.
+/// The light must be right in the frame in which it changes and after it; a lamp that was turned
+/// off comes back.
 TEST(WholeFrame, draws_by_a_changed_light_as_by_one_that_was_so) {
   RoomSetup room(RoomSetup::Options{}), there(RoomSetup::Options{});
   Pair pair = make_pair(room);
@@ -51,7 +52,7 @@ TEST(WholeFrame, agrees_with_person_object_and_shadows) {
   EXPECT_TRUE(shows(pair.gles_frame, render::Layer::kVirtual));
 }
 
-/// All that a material may have, under ambient light that differs from side to side.
+/// The material has all properties, under ambient light that depends on direction.
 TEST(WholeFrame, agrees_on_glossy_objects_with_maps) {
   RoomSetup room(RoomSetup::Options{});
   room.setup.light.by_direction = room.setup.light.contact = true;
@@ -88,7 +89,7 @@ TEST(WholeFrame, agrees_on_glossy_objects_past_people) {
   expect_agreement(pair, room.frame());
 }
 
-/// A real board over the object hides a lamp from it.
+/// A real board above the object hides a lamp from it.
 TEST(WholeFrame, agrees_in_the_shade_of_the_room) {
   RoomSetup room(RoomSetup::Options{});
   room.put_board({0.1, 0.25, 2.6}, 0.4);
@@ -107,8 +108,8 @@ TEST(WholeFrame, agrees_where_people_cast_shadows_on_an_object_in_the_room) {
   expect_agreement(pair, room.frame());
 }
 
-/// Of panels cpu finds what people hide at the points of a grid, and between corners of cells; gles
-/// looks for each pixel.
+/// For panel lamps, cpu computes what people hide at the points of a grid, and between the corners
+/// of cells; gles computes it for each pixel.
 TEST(WholeFrame, agrees_where_people_stand_before_panels) {
   for (const double side_m : {0.6, 0.8}) {
     RoomSetup room({.box_m = {0.4, 0.9, 3.2}});
@@ -125,8 +126,8 @@ TEST(WholeFrame, agrees_where_people_stand_before_panels) {
   }
 }
 
-/// A person between a lamp and the floor: the object's shadow there is that of the other lamp
-/// alone.
+/// A person stands between a lamp and the floor: the object's shadow there is that of the other
+/// lamp alone.
 TEST(WholeFrame, agrees_where_a_person_shades_the_floor) {
   RoomSetup room({.box_m = {0.4, 0.9, 3.2}});
   Pair without = make_pair(room);

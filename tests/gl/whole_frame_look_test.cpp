@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Both back ends give a frame the same look.
+// Both back ends apply the same look (grain, blur, chroma, sharpening) to a frame.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace mixrig::test {
 namespace {
 
-/// Along rows: brightness is sharpened, colour is the mean of five pixels.
+/// Imitates a cheap camera along rows: luma is sharpened, chroma is the mean of five pixels.
 Image<Rgb8> as_a_cheap_camera(const Image<Rgb8>& from) {
   Image<Rgb8> to = from;
   const auto grey = [](Rgb8 c) { return (c.r + c.g + c.b) / 3.0; };
@@ -48,7 +48,7 @@ TEST(WholeFrame, agrees_with_the_grain_and_blur_of_the_plate) {
   for (int i = 0; i < 2; ++i) expect_agreement(past_people, room.frame());
 }
 
-/// What a frame says of the plate counts from it on, also where the first one said nothing.
+/// The look in a frame applies from that frame on, even if the first frame had none.
 TEST(WholeFrame, agrees_with_a_look_that_changes) {
   RoomSetup room(RoomSetup::Options{});
   room.setup.look = {.grain = true, .blur = true, .chroma = true};
@@ -82,7 +82,7 @@ TEST(WholeFrame, agrees_with_chroma_and_sharpening) {
   EXPECT_LT(psnr_db(pair.cpu_frame.color, plain.cpu_frame.color), 70) << "nothing was measured";
 }
 
-/// Alone, and of what the lens has blurred, before a plate of its own.
+/// Motion blur is tested alone and together with the blur of the lens.
 TEST(WholeFrame, agrees_in_the_motion_of_the_camera) {
   for (const bool blur : {false, true}) {
     RoomSetup room({.box_m = {0.1, 0.5, 2.4}});
@@ -108,7 +108,7 @@ TEST(WholeFrame, agrees_in_the_motion_of_the_camera) {
   }
 }
 
-/// By distance, by pixel, by a pixel that the frame names; in the last frame what is far is sharp.
+/// The focus is first set by distance, then by a pixel that the frame names.
 TEST(WholeFrame, agrees_in_the_depth_of_field_of_a_lens) {
   for (const bool fast : {false, true}) {
     RoomSetup room(RoomSetup::Options{});

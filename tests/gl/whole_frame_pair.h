@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A frame of both back ends, and what has to agree of it.
+// A frame drawn by both back ends, and checks that the results agree.
 #pragma once
 
 #include <cmath>
@@ -29,14 +29,15 @@ struct Pair {
 };
 
 Pair make_pair(const RoomSetup& room);
-/// Both draw the frame, and what they draw agrees.
+/// Both back ends draw the frame; expects that their outputs agree.
 void expect_agreement(Pair& pair, const render::FrameInput& frame);
 void expect_agreement(const RoomSetup::Options& options);
 bool shows(const render::FrameOutput& frame, render::Layer layer);
 float time_of(const Pair& pair, render::Stage stage);
-/// World axes with z up, 1.4 m over the room's floor; only the capture volume keys.
+/// A frame in a world with z up whose camera is 1.4 m over the room's floor; people are keyed by
+/// the capture volume alone.
 render::FrameInput volume_frame(RoomSetup& room);
-/// At rest and turned aside, with the person in view.
+/// Expects agreement at rest and after a turn, with the person in view.
 void expect_agreement_as_it_turns(Pair& pair, render::FrameInput frame);
 
 }  // namespace mixrig::test

@@ -7,7 +7,7 @@
 namespace mixrig::test {
 namespace {
 
-/// The same where the capture volume keys and people cast shadows on a set.
+/// The lens moves, the capture volume keys, and people cast shadows on a set.
 TEST(WholeFrame, agrees_through_a_lens_that_moves_on_a_set) {
   RoomSetup room({.box_m = {0.4, 0.9, 3.2}});
   render::FrameInput frame = volume_frame(room);

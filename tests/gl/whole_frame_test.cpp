@@ -12,7 +12,7 @@
 namespace mixrig::test {
 namespace {
 
-/// A picture whose content has moved to the right; what comes in is its border.
+/// Moves the content of a picture to the right; the border column fills the gap.
 template <typename T>
 Image<T> moved_right(const Image<T>& from, int px) {
   Image<T> to(from.size());
@@ -21,7 +21,8 @@ Image<T> moved_right(const Image<T>& from, int px) {
   return to;
 }
 
-/// All moves, so that both move people's depth and take what the matte was where they were.
+/// Everything moves, so that both back ends move people's depth and take the matte from where
+/// people were.
 TEST(WholeFrame, agrees_where_people_move_between_frames) {
   const RoomSetup room(RoomSetup::Options{});
   Pair pair = make_pair(room), late = make_pair(room);
@@ -40,7 +41,8 @@ TEST(WholeFrame, agrees_where_people_move_between_frames) {
       << "late depth is moved";
 }
 
-/// In the frame in which it moves and after it: virtual pixels, shadow maps and what they fall on.
+/// The object must be right in the frame in which it moves and after it: virtual pixels, shadow
+/// maps and the light they change.
 TEST(WholeFrame, draws_a_moved_object_as_one_that_stood_there) {
   RoomSetup room(RoomSetup::Options{}), there(RoomSetup::Options{});
   Pair pair = make_pair(room);
@@ -72,7 +74,7 @@ TEST(WholeFrame, agrees_with_two_depth_cameras) {
   RoomSetup room({.second_tof = true});
   Pair pair = make_pair(room);
   expect_agreement(pair, room.frame());
-  room.depth2 = {};  // a frame without the second one
+  room.depth2 = {};  // a frame without the second camera's depth
   expect_agreement(pair, room.frame());
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Composites of the analytic room, to compare builds for different processors.
-//   level_frames FILE               composites, writes all that came out
-//   level_frames FILE --most LEVEL  the same, with at most this level of those in the program
-//   level_frames FILE FILE          compares two such files; exit status 1 beyond the bounds
+// Composites the analytic room, to compare builds for different processors. usage:
+// - level_frames FILE               composites and writes all images
+// - level_frames FILE --most LEVEL  limits the instruction set to this level of those in the
+//   program
+// - level_frames FILE FILE          compares two such files; exit status 1 beyond the bounds
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -59,7 +60,7 @@ int composite(const char* path, std::string_view most) {
   return 1;
 }
 
-/// What lies between two images: share of the values that differ at all, and by more than `jump`,
+/// Differences of two images: share of the values that differ at all, and by more than `jump`, in
 /// percent; mean square and largest difference.
 struct Difference {
   double differs_pct = 0, jumps_pct = 0, mean_square = 0, largest = 0;
@@ -79,8 +80,9 @@ Difference next(std::ifstream& file_a, std::ifstream& file_b, Size size, double 
   return out;
 }
 
-/// A product that is fused with a sum is not rounded itself: last bits differ, and a pixel between
-/// two surfaces may take the other one. The bounds leave room for a few such pixels.
+/// Compares two files within bounds. A product that is fused with a sum is not rounded itself: last
+/// bits differ, and a pixel between two surfaces may take the other one. The bounds allow for a few
+/// such pixels.
 bool compare(std::ifstream& a, std::ifstream& b, const Case& c) {
   constexpr double kLeastColorDb = 70, kMostJumpsPct = 0.01, kJumpM = 1e-3, kJumpByte = 2;
   const auto color = next<std::uint8_t>(a, b, {3 * c.view.width, c.view.height}, kJumpByte);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth of a Kinect v2's packets beside that of libfreenect2: the same bytes through both stream
-// parsers and decoders, each held against the studio's truth.
+// Compares our depth of a Kinect v2's packets with that of libfreenect2: the same bytes go through
+// both stream parsers and decoders, and each result is measured against the studio's truth.
 #include <gtest/gtest.h>
 
 #ifdef MIXRIG_HAS_LIBFREENECT2
@@ -25,7 +25,7 @@ TEST(Kinect2Peer, DecodesAsLibfreenect2Does) {
 constexpr double kWrong_m = 0.1;
 constexpr int kFirst = 40, kFrames = 2;
 
-/// Against the truth.
+/// Errors of one decoder against the truth.
 struct Judged {
   long pixels = 0, missing = 0, wrong = 0;
   double absolute_m = 0;
@@ -50,7 +50,7 @@ struct Judged {
   }
 };
 
-/// What both know.
+/// Differences in the pixels that both decoders know.
 struct Between {
   long both = 0, apart = 0;  ///< apart: by more than kWrong_m, not in the sums
   double sum_m = 0, square_m2 = 0;
@@ -138,7 +138,7 @@ TEST_P(Kinect2Peer, DecodesAsLibfreenect2Does) {
   EXPECT_LE(outcome.own.mean_mm(), outcome.peer.mean_mm());
   EXPECT_LE(outcome.own.wrong_pct(), outcome.peer.wrong_pct() + 0.05);
   EXPECT_LE(outcome.own.missing_pct(), outcome.peer.missing_pct() + 0.5);
-  if (GetParam()) return;  // ours takes the error of bounced light off
+  if (GetParam()) return;  // ours corrects the error by multipath
   EXPECT_LT(outcome.between.apart, outcome.between.both / 2000);
   EXPECT_NEAR(outcome.between.mean_mm(), 0, 1);
   EXPECT_LT(outcome.between.sigma_mm(), 6);

@@ -69,7 +69,7 @@ class RealTimeBoard : public fake::EmulatedBoard {
     receive(damaged({from_host.begin(), from_host.end()}));
     std::vector<std::uint8_t> sent = transmitted();
     const std::vector<std::uint8_t> more =
-        transmitted();  // after a change of mode the next one may send
+        transmitted();  // after a change of mode, the new mode may have bytes to send
     sent.insert(sent.end(), more.begin(), more.end());
     return damaged(std::move(sent));
   }

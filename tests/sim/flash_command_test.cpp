@@ -25,7 +25,7 @@ protocol::ImageHeader header_of(const Bytes& image) {
   return header;
 }
 
-/// The same program with another header, and hence another checksum.
+/// Copies the program with another header, and hence another checksum.
 Bytes with_header(void (*change)(protocol::ImageHeader&)) {
   Bytes image = image_bytes();
   protocol::ImageHeader header = header_of(image);
@@ -74,7 +74,7 @@ class Bench : public ::testing::Test {
 
 class FlashCommand : public Bench<RealTimeBoard> {
  protected:
-  /// Running firmware, as after an earlier flash.
+  /// Starts running firmware, as after an earlier flash.
   void run(const Bytes& image) {
     server_.with([&](RealTimeBoard& board) {
       board.flash().load(image);
@@ -91,7 +91,7 @@ class FlashCommand : public Bench<RealTimeBoard> {
     return server_.with(
         [](RealTimeBoard& board) { return board.mode() == fake::BoardMode::kFirmware; });
   }
-  /// One error line, the given exit status, nothing written, and the firmware still runs.
+  /// Expects one error line, the given exit status, nothing written, and firmware that still runs.
   void expect_refusal(const Outcome& outcome, int status, const std::string& text) {
     EXPECT_EQ(outcome.status, status) << outcome.err;
     EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;

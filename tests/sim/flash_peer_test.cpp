@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Independent programs against our emulated devices: stm32flash and dfu-util.
+// Tests our emulated devices with independent programs: stm32flash and dfu-util.
 #include <atomic>
 #include <cstdio>
 #include <sstream>
@@ -17,7 +17,7 @@
 namespace mixrig::device {
 namespace {
 
-constexpr int kPeerLimit_s = 120;  // for a busy machine
+constexpr int kPeerLimit_s = 120;  // long enough for a busy machine
 const std::string kImage = std::string(MIXRIG_IMAGE_DIR) + "/trigger.bin";
 
 std::string text_of(const std::string& path) {

@@ -14,13 +14,13 @@
 
 namespace mixrig::test {
 
-inline constexpr int kQemuLimit_s = 120;  // of real time, for a busy machine
+inline constexpr int kQemuLimit_s = 120;  // real time; long enough for a busy machine
 
 /// Emulated time while the processor sleeps: it jumps to the next event, or passes like real time,
 /// which leaves the host's processor to other programs.
 enum class IdleTime { kLeaps, kPasses };
 
-/// Its serial line is on a socket. A reset of the chip ends it.
+/// QEMU with its serial line on a socket. It ends at a reset of the chip.
 class Qemu {
  public:
   explicit Qemu(const std::string& kernel, const std::vector<std::string>& more = {},
@@ -36,7 +36,7 @@ class Qemu {
   std::string socket() const { return folder_ / "serial"; }
   int wait() { return process_->wait(); }
 
-  /// Waits until the socket listens; empty where QEMU does not start.
+  /// Waits until the socket listens; null where QEMU does not start.
   std::unique_ptr<device::ByteStream> connect(Clock& clock) {
     for (int i = 0; i < 12'000; ++i) {
       auto stream = device::PosixByteStream::connect_unix(socket());

@@ -168,9 +168,9 @@ struct Change {
   std::int64_t ns;
 };
 
-/// Runs 60 ticks of four channels; returns when each line changed in the first 58, in ns on the
-/// time grid on which tick 1 begins at 10 ms. Tick 0 may differ by about 100 ns: the command that
-/// started it still interrupts the processor, which here does the DMA's work.
+/// Runs 60 ticks of four channels. Returns when each line changed in the first 58, in ns on the
+/// time grid on which tick 1 begins at 10 ms. Tick 0 may be off by about 100 ns: the command that
+/// started it still interrupts the processor, which does the work of the DMA in QEMU.
 std::vector<Change> traced_run() {
   const test::TemporaryFolder folder;
   const std::string log = folder / "trace";
@@ -178,7 +178,7 @@ std::vector<Change> traced_run() {
     Board board(
         {"-trace", "memory_region_ops_write", "-trace", "memory_region_ops_read", "-D", log});
     set_four(board);
-    // A command sent twice would interrupt later ticks: it is resent only if it was lost.
+    // A command sent twice would interrupt later ticks, so it is resent only if it was lost.
     board.trigger->link().retry = {seconds(test::kQemuLimit_s / 4), 2};
     EXPECT_TRUE(board.trigger->start());
     EXPECT_GE(board.ticks(60).size(), 60u);
@@ -187,7 +187,7 @@ std::vector<Change> traced_run() {
   std::vector<Change> changes;
   std::uint32_t lines = 8;  // idle: channel 3 is high
   std::int64_t grid_ns = 0;
-  int rises = 0;  // of channel 0, which rises with every tick
+  int rises = 0;  // rising edges of channel 0, which rises with every tick
   for (const Edge& edge : traced_edges(log)) {
     const std::uint32_t after = (lines & ~(edge.word >> 16)) | (edge.word & 0xFFFF);
     const std::uint32_t changed = after ^ lines;
@@ -234,7 +234,8 @@ TEST(QemuTest, answers_after_64_kib_of_random_bytes) {
   std::vector<std::uint8_t> noise(64 * 1024);
   for (auto& byte : noise) byte = static_cast<std::uint8_t>(random());
   ASSERT_TRUE(stream->write(noise));
-  // Hello is read after the random bytes, for as long as this machine takes to emulate them.
+  // The firmware reads Hello after the random bytes: the timeout covers the time that this machine
+  // takes to emulate them.
   McuLink link(*stream, clock, "qemu");
   link.retry = {seconds(1), test::kQemuLimit_s / 2};
   const auto hello = link.ask(protocol::Hello{protocol::kTableHash});

@@ -18,7 +18,7 @@
 
 namespace mixrig::test {
 
-inline constexpr int kCommandLimit_s = 120;  // for a busy machine
+inline constexpr int kCommandLimit_s = 120;  // long enough for a busy machine
 
 struct Outcome {
   int status = -1;
@@ -38,7 +38,7 @@ inline Outcome run_mixrig(std::vector<std::string> arguments) {
   return outcome;
 }
 
-/// As run_mixrig, with stderr on a terminal.
+/// Runs the command like run_mixrig, with stderr on a terminal.
 inline Outcome run_mixrig_at_terminal(std::vector<std::string> arguments) {
   const TemporaryFolder folder;
   Outcome outcome;

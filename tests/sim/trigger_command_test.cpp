@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command `mixrig trigger` against the firmware in its own process.
+// The command `mixrig trigger` with the firmware in its own process.
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -13,7 +13,7 @@
 namespace mixrig::test {
 namespace {
 
-/// The process behind a socket. FlashCommand opens a pty.
+/// The firmware's process behind a socket. (FlashCommand uses a pty instead.)
 class SimProcess {
  public:
   SimProcess()
@@ -41,7 +41,7 @@ class TriggerCommand : public ::testing::Test {
     arguments.insert(arguments.end(), {"--port", sim_.port()});
     return run_mixrig(arguments);
   }
-  /// Runs it and returns its report.
+  /// Runs the command and returns its report.
   nlohmann::json report(std::vector<std::string> arguments) {
     arguments.insert(arguments.end(), {"--json", sim_.file("report.json")});
     const Outcome outcome = trigger(arguments);
@@ -131,7 +131,7 @@ TEST(TriggerCommandAlone, no_answer_is_a_failure_with_one_error_line) {
   EXPECT_TRUE(outcome.says("no answer from the trigger controller")) << outcome.err;
 }
 
-/// Firmware of another message table: it answers hello, whose layout never changes.
+/// Firmware with another message table: it answers Hello, whose layout never changes.
 class OtherFirmware {
  public:
   std::vector<std::uint8_t> step(std::span<const std::uint8_t> from_host) {

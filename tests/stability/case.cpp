@@ -14,14 +14,16 @@ namespace {
 constexpr int kMostTrials = 600;
 
 double quadratic(const Eigen::VectorXd& e, const Eigen::MatrixXd& covariance) {
-  // Scaled to unit diagonal: covariances mix radians and (far from the origin) kilometres.
+  // The matrix is scaled to unit diagonal: covariances mix radians and (far from the origin)
+  // kilometres.
   const Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd c = scale.asDiagonal() * covariance * scale.asDiagonal();
   const Eigen::VectorXd s = scale.asDiagonal() * e;
   return s.dot(c.ldlt().solve(s));
 }
 
-/// FNV-1a of the names: every case has noise of its own, so that their outcomes are independent.
+/// Seed of a case: FNV-1a of its names. Every case has its own noise, so that outcomes are
+/// independent.
 std::uint64_t seed_of(const Case& c) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   for (const char letter : c.estimator + c.name)
@@ -115,7 +117,7 @@ std::vector<std::string> faults_of(const Row& row) {
   if (row.expect == Expect::kRobust && row.refused > 0)
     fault(std::to_string(row.refused) + " refusals of what can be answered");
   if (row.expect == Expect::kCareful || row.expect == Expect::kRobust) {
-    // Noise that lets one in p trials through to an answer has -2 ln p of chi-squared by itself.
+    // Noise that lets one in p trials through to an answer has by itself -2 ln p of chi-squared.
     const double share = static_cast<double>(answers) / (answers + row.refused);
     const double chosen = answers > 0 ? -2 * std::log(share) * answers / row.dof : 0;
     const double limit = 2 * (row.high + chosen);

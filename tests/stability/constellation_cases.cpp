@@ -11,7 +11,8 @@ namespace {
 using Eigen::Vector3d;
 using Points = std::vector<Vector3d>;
 
-/// How a case differs from a body of five markers over 20 cm, seen with 0.5 mm of noise.
+/// Parameters of a case; the defaults are a body of five markers over 20 cm, seen with 0.5 mm of
+/// noise.
 struct ConstellationScene {
   double skew_m = 0.04;  ///< how far the third corner of the base is from making it isosceles
   double apex_m = 0.05;  ///< height of the other markers over the base
@@ -24,7 +25,7 @@ struct ConstellationScene {
 
 constexpr double kConstellationSigma_m = 5e-4;
 
-/// An isosceles base with both other markers on its plane of symmetry, but for `skew_m`.
+/// An isosceles base (except for `skew_m`) with both other markers on its plane of symmetry.
 Points body_of(const ConstellationScene& s) {
   Points body = {{-0.1, 0, 0},
                  {0.1, 0, 0},

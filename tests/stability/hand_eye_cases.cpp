@@ -9,7 +9,7 @@ namespace {
 using Eigen::Vector3d;
 using geometry::Pose;
 
-/// How a case differs from ten views within +-30 deg and 1 m, noise 1 mrad and 1 mm.
+/// Parameters of a case; the defaults are ten views within +-30 deg and 1 m, noise 1 mrad and 1 mm.
 struct HandEyeScene {
   Vector3d turn_rad = {0.5, 0.5, 0.5};  ///< greatest rotation of the hand about each axis
   Vector3d base_rad = {0, 0, 0};        ///< rotation that all views share

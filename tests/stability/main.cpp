@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// estimation_bench: every estimator through its degeneracies, as tables, JSON and plots.
+// estimation_bench: runs every estimator through its degeneracies; writes tables, JSON and plots.
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -46,7 +46,7 @@ void write(const std::filesystem::path& path, const std::string& text) {
   if (!file) throw std::runtime_error("cannot write " + path.string());
 }
 
-/// Number of measures that fall short.
+/// Runs the suite and returns the number of measures that fall short.
 std::size_t bench(const std::filesystem::path& folder, const Effort& effort) {
   std::filesystem::create_directories(folder);
   const auto report = run_suite(effort, [](int done, int total) {

@@ -9,7 +9,8 @@ namespace {
 using Eigen::Vector3d;
 using Points = std::vector<Vector3d>;
 
-/// How a case differs from eight centres in a cube of 2 m, a point 2 m away, 2 mm of noise.
+/// Parameters of a case; the defaults are eight centres in a cube of 2 m, a point 2 m away, 2 mm of
+/// noise.
 struct RangeScene {
   Vector3d stretch = {1, 1, 1};
   Vector3d point = {0.7, -0.4, 2};

@@ -10,16 +10,16 @@ using Eigen::Vector3d;
 using estimation::PanTiltView;
 using geometry::Pose;
 
-/// How a case differs from sixteen views within +-40 deg of pan and +-25 deg of tilt of a target
-/// 1.6 m away, noise 0.3 mrad and 0.3 mm.
+/// Parameters of a case; the defaults are sixteen views within +-40 deg of pan and +-25 deg of tilt
+/// of a target 1.6 m away, noise 0.3 mrad and 0.3 mm.
 struct PanTiltScene {
   double pan_rad = 0.7, tilt_rad = 0.44;
   double skew_rad = 0.007;
-  double scale = 1;  ///< of all lengths
+  double scale = 1;  ///< factor of all lengths
   int views = 16;
   int outliers = 0;
   double angle_sigma_rad = 0;
-  bool swapped = false;  ///< the angles of the two axes
+  bool swapped = false;  ///< whether the angles of the two axes are swapped
   bool nan = false;
 };
 
@@ -81,7 +81,8 @@ Motion turned(const Real& x, const Real& z, const Real& angle, const Motion& m) 
   return out;
 }
 
-/// Where target points go, from the axes as the header words them.
+/// Model of the target points in 50 digits, from the axes as the header of the estimator defines
+/// them.
 Residuals chain_model(const std::vector<PanTiltView>& views,
                       const estimation::PanTiltCalibration& truth, double sigma_m) {
   std::vector<Motion> eyes;

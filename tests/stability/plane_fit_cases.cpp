@@ -9,9 +9,10 @@ namespace {
 using Eigen::Vector3d;
 using Points = std::vector<Vector3d>;
 
-/// How a case differs from forty points on a square of 2 m under 1 mm noise along the normal.
+/// Parameters of a case; the defaults are forty points on a square of 2 m under 1 mm noise along
+/// the normal.
 struct PlaneScene {
-  double width = 1;  ///< of the second axis
+  double width = 1;  ///< factor of the second axis
   double scale = 1;
   Vector3d origin = {0, 0, 0};
   int points = 40;
@@ -36,7 +37,8 @@ Trial run(const PlaneScene& scene, std::uint64_t seed, Residuals& residuals) {
   estimation::Estimate<estimation::PlaneFit> estimate;
   Trial trial = timed([&] { return estimation::fit_plane_robust(points, sigma); }, estimate);
   if (!estimate.usable()) return trial;
-  // Error: tilts of the normal towards the estimate's tangents, offset at its centroid.
+  // Error parameters: tilts of the normal towards the estimate's tangents, and the offset at its
+  // centroid.
   const auto& fit = estimate.value;
   const Vector3d truth = axes.col(2) * (axes.col(2).dot(fit.plane.normal) > 0 ? 1 : -1);
   trial.error = Vector3d(-truth.dot(fit.tangents.col(0)), -truth.dot(fit.tangents.col(1)),

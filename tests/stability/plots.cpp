@@ -11,9 +11,9 @@
 namespace mixrig::estimation_bench {
 namespace {
 
-constexpr double kMost = 2.0;  // both measures are drawn from 0 to here
+constexpr double kMost = 2.0;  // upper end of the axis of both measures
 
-/// 0xRRGGBB.
+/// Colours as 0xRRGGBB.
 enum Ink : unsigned {
   kBlack = 0x000000,
   kBound = 0x223366,
@@ -66,7 +66,7 @@ class Page {
     cairo_close_path(context_);
     fill(ink);
   }
-  /// `y` of the base line.
+  /// Writes a text; `y` is that of its base line.
   void text(double x, double y, const std::string& words, Align align, bool bold = false) {
     cairo_select_font_face(context_, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
                            bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);

@@ -10,7 +10,8 @@ using Eigen::Vector3d;
 using estimation::Bearing;
 using Points = std::vector<Vector3d>;
 
-/// How a case differs from fifteen points in a cube of 2 m at 5 m, f = 600 px, 0.5 px noise.
+/// Parameters of a case; the defaults are fifteen points in a cube of 2 m at 5 m, f = 600 px, 0.5
+/// px noise.
 struct PnpScene {
   Vector3d stretch = {1, 1, 1};
   int points = 15;

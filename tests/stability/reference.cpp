@@ -7,7 +7,7 @@ namespace {
 using Matrix = std::vector<Reals>;
 
 Matrix jacobian(const Residuals& residuals, const Reals& x) {
-  const Real step("1e-17");  // error of the central difference 1e-34, rounding 1e-33
+  const Real step("1e-17");  // the error of the central difference is 1e-34, its rounding 1e-33
   Matrix columns;
   for (std::size_t k = 0; k < x.size(); ++k) {
     Reals low = x, high = x;
@@ -34,7 +34,7 @@ Matrix normal_matrix(const Matrix& columns) {
   return n;
 }
 
-/// Gauss-Jordan with the largest pivot of each column.
+/// Solves a x = b by Gauss-Jordan elimination with the largest pivot of each column.
 Reals solve(Matrix a, Reals b) {
   const std::size_t n = b.size();
   for (std::size_t c = 0; c < n; ++c) {
@@ -54,7 +54,8 @@ Reals solve(Matrix a, Reals b) {
   return b;
 }
 
-/// asin(s) / s from s^2; the series where s is small, which takes a tenth of the time.
+/// asin(s) / s as a function of s^2; by its series where s is small, which takes a tenth of the
+/// time.
 Real asin_ratio(const Real& s2) {
   if (s2 > Real("1e-3")) return asin(sqrt(s2)) / sqrt(s2);
   Real term = 1, sum = 1;

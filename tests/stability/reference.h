@@ -26,8 +26,8 @@ struct Motion {
 };
 /// exp(w) * pose.rotation and pose.translation + dt, from parameters x[at .. at+5].
 Motion moved(const geometry::Pose& pose, const Reals& x, std::size_t at = 0);
-/// The same, but dt moves the image of `centre` (far from the origin, a turn about the origin and
-/// a shift are all but the same).
+/// Like moved(), but dt moves the image of `centre`: far from the origin, a turn about the origin
+/// and a shift can hardly be told apart.
 Motion moved_about(const geometry::Pose& pose, const Eigen::Vector3d& centre, const Reals& x);
 /// rotation * p + translation.
 Reals mapped(const Motion& motion, const Reals& p);

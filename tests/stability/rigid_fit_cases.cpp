@@ -9,11 +9,11 @@ namespace {
 using Eigen::Vector3d;
 using Points = std::vector<Vector3d>;
 
-/// How a case differs from ten points in a cube of 2 m under 1 mm of noise.
+/// Parameters of a case; the defaults are ten points in a cube of 2 m under 1 mm of noise.
 struct RigidScene {
-  Vector3d stretch = {1, 1, 1};  ///< of the cloud
-  double scale = 1;              ///< of cloud and noise
-  Vector3d origin = {0, 0, 0};   ///< of the cloud
+  Vector3d stretch = {1, 1, 1};  ///< factors of the cloud's axes
+  double scale = 1;              ///< factor of cloud and noise
+  Vector3d origin = {0, 0, 0};   ///< centre of the cloud
   std::optional<Vector3d> turn_rad = std::nullopt;
   int points = 10;
   int outliers = 0;
@@ -25,7 +25,7 @@ struct RigidScene {
 
 constexpr double kRigidSigma_m = 1e-3;
 
-/// Both sets and how they came about.
+/// Both point sets and the transform between them.
 struct Data {
   Points a, b;
   estimation::Similarity truth;
@@ -56,7 +56,8 @@ Data data_of(const RigidScene& scene, std::uint64_t seed) {
 
 Residuals model_of(const Data& d, bool with_scale) {
   return [d, with_scale](const Reals& x) {
-    // About the middle c of the cloud: c goes to truth * c, whatever turn and scale do.
+    // The error is taken about the middle c of the cloud: c goes to truth * c, whatever rotation
+    // and scale do.
     const Vector3d c = d.centre();
     const Motion m = moved_about(d.truth.pose, d.truth.scale * c, x);
     const Real gain = with_scale ? Real(d.truth.scale) * exp(x[6]) : Real(d.truth.scale);

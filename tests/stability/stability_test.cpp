@@ -36,7 +36,7 @@ TEST(Stability, BlobCentresAreAsGoodAsTheyClaimFromRadiusTwo) {
   for (const std::string& fault : faults) ADD_FAILURE() << fault;
 }
 
-/// An estimator of one number whose error and claim are set by hand.
+/// A case of a made-up estimator of one number, whose error and claimed sigma are given.
 Case made_up(Expect expect, double error_sigmas, double claimed_sigma, bool refuses = false) {
   return {"made_up", "a case", expect, [=](std::uint64_t seed, Residuals& residuals) {
             Trial trial;

@@ -18,7 +18,7 @@ void add_plane_fit_cases(std::vector<Case>& cases);
 void add_hand_eye_cases(std::vector<Case>& cases);
 void add_pan_tilt_cases(std::vector<Case>& cases);
 void add_constellation_cases(std::vector<Case>& cases);
-/// All of the above.
+/// Cases of all estimators.
 std::vector<Case> all_cases();
 
 /// Bias of marker centres over the phase within a pixel, for one radius and threshold.
@@ -29,7 +29,8 @@ struct BlobBias {
   double over_sigma = 0;  ///< scatter in x over the claimed sigma
 };
 std::vector<BlobBias> measure_blob_bias(int shots);
-/// From radius 2 px on, with a threshold a tenth of the peak above the background: 0.02 px.
+/// Adds a fault where the bias exceeds 0.02 px, for radii from 2 px on and a threshold a tenth of
+/// the peak above the background.
 void add_faults(const BlobBias& blob, std::vector<std::string>& faults);
 
 struct Report {
@@ -37,7 +38,7 @@ struct Report {
   std::vector<BlobBias> blobs;
   std::vector<std::string> faults;
   int answerable = 0;  ///< cases that must be answered
-  int outside = 0;     ///< of those, with their NEES outside its 95 % interval
+  int outside = 0;     ///< answerable cases whose NEES lies outside its 95 % interval
 };
 /// Runs everything; `progress(done, total)` may be empty.
 Report run_suite(const Effort& effort, const std::function<void(int, int)>& progress = {});

@@ -41,7 +41,7 @@ struct Span {
   }
 };
 
-/// Results of one estimator over the cases that it must answer, and over those that it must refuse.
+/// Results of one estimator over the cases that it must answer and those that it must refuse.
 struct Sum {
   int to_answer = 0, outside = 0, to_refuse = 0, refused = 0, trials = 0;
   Span over_bound, nees, micros;

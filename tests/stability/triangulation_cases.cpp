@@ -9,11 +9,12 @@ namespace {
 using Eigen::Vector3d;
 using estimation::PointView;
 
-/// How a case differs from four pinhole views, 1 m apart, of a point 4 m away, 0.5 px noise.
+/// Parameters of a case; the defaults are four pinhole views, 1 m apart, of a point 4 m away, 0.5
+/// px noise.
 struct RayScene {
   int views = 4;
   double baseline = 1;
-  Vector3d direction = {1, 0, 0};  ///< of the baseline; z is towards the point
+  Vector3d direction = {1, 0, 0};  ///< direction of the baseline; z is towards the point
   double depth = 4;
   double scale = 1;
   Vector3d origin = {0, 0, 0};

@@ -16,7 +16,7 @@ double hash01(double a, double b) {
   return s - std::floor(s);
 }
 
-/// Checks of `size` metres in two tones with a little grain.
+/// A checkerboard of squares of `size` metres in two tones with a little grain.
 Vector3d checks(double a, double b, double size, const Vector3d& tone) {
   const double i = std::floor(a / size), j = std::floor(b / size);
   return tone * (0.75 + 0.35 * hash01(i, j));
@@ -58,7 +58,7 @@ void cast_sphere(const Vector3d& center, double radius, const Vector3d& o, const
   if (disc > 0) take_nearer(hit, (-b - std::sqrt(disc)) / a, true, albedo);
 }
 
-/// A cylinder between two points with round ends.
+/// Casts a ray at a capsule: a cylinder between two points with round ends.
 void cast_capsule(const Vector3d& p0, const Vector3d& p1, double radius, const Vector3d& o,
                   const Vector3d& d, const Vector3d& albedo, bool person, Hit& hit) {
   const Vector3d axis = p1 - p0, q = o - p0;

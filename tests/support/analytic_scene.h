@@ -14,7 +14,7 @@ namespace mixrig::test {
 
 struct Camera {
   Size size_px;
-  double f_px = 0;             ///< square pixels, centre in the middle
+  double f_px = 0;             ///< focal length; square pixels, centre in the middle
   Eigen::Vector3d position_m;  ///< world; axes parallel to the target camera's
   double k1 = 0;               ///< radial distortion of the plate
   double cx_px() const { return 0.5 * (size_px.width - 1); }
@@ -26,13 +26,13 @@ struct AnalyticScene {
   double floor_y_m = 1.5, back_z_m = 4.5, half_width_m = 2.5, ceiling_y_m = -1.4;
   bool person = true;
   double person_x_m = 0.1, person_z_m = 2.6;
-  bool box = true;   ///< a cupboard at the left
-  bool pole = true;  ///< upright, 24 mm wide, at 3 m
+  bool box = true;   ///< cupboard at the left
+  bool pole = true;  ///< upright pole, 24 mm wide, at 3 m
   double pole_x_m = 1.0, pole_z_m = 3.0, pole_radius_m = 0.012;
 };
 
 struct Hit {
-  double t = 0;  ///< along the (not unit) direction, 0: nothing
+  double t = 0;  ///< distance in lengths of the direction; 0: nothing was hit
   bool person = false;
   Eigen::Vector3d albedo{0, 0, 0};
 };
@@ -40,13 +40,13 @@ struct Hit {
 Hit cast(const AnalyticScene& scene, const Eigen::Vector3d& origin,
          const Eigen::Vector3d& direction);
 
-/// What a colour camera sees (4 samples a pixel, sRGB, a little noise).
+/// Plate of a colour camera (4 samples per pixel, sRGB, a little noise).
 Image<Rgb8> render_plate(const AnalyticScene& scene, const Camera& camera, std::uint32_t seed);
-/// Exact z per pixel of an ideal camera, and who is there (255 = person).
+/// Exact z per pixel of an ideal camera, and where the person is (255).
 void render_truth(const AnalyticScene& scene, const Camera& camera, Image<float>& depth_m,
                   Image<std::uint8_t>& person);
-/// What a phase-measuring ToF camera sees: 4x4 phasors a pixel at 20 MHz, so that borders hold
-/// flying pixels, and noise that grows with z^2. z in metres.
+/// Depth picture of a phase-measuring ToF camera, z in metres: 4x4 phasors per pixel at 20 MHz, so
+/// that borders have flying pixels, and noise that grows with z^2.
 Image<float> render_tof(const AnalyticScene& scene, const Camera& camera, std::uint32_t seed,
                         double noise_at_3m_m);
 /// Whether the ToF camera sees the surface at each pixel of the target's ideal view.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pan-tilt chain of a calibration, by Rodrigues' formula: for tests that judge others' chains.
+// The pan-tilt chain of a calibration by Rodrigues' formula, for tests that check the pipeline's
+// chain.
 #pragma once
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rig whose head stands in the box room: its true calibration, and what both cameras see at
-// angles of the unit.
+// A rig whose head stands in the box room: its true calibration, and the pictures of both cameras
+// at given angles of the unit.
 #pragma once
 
 #include <numbers>
@@ -37,7 +37,7 @@ inline calibration_file::Calibration box_calibration() {
   return known;
 }
 
-/// What its cameras see.
+/// Pictures of the cameras of box_calibration() in the box room.
 class BoxHead {
  public:
   std::vector<std::uint8_t> yuyv(double pan_rad, double tilt_rad) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A box as the cameras of a pan-tilt head see it, by formula: rays and walls by hand, nothing of
+// A box as the cameras of a pan-tilt head see it. Rays and walls are computed by formula, without
 // the pipeline. Axes of the unit's base: x right, y ahead, z up; the base is inside the box.
 #pragma once
 
@@ -23,10 +23,10 @@ struct BoxRoom {
   static constexpr std::array<std::array<std::uint8_t, 2>, 6> kChroma{
       {{118, 140}, {128, 128}, {136, 118}, {140, 120}, {122, 124}, {132, 134}}};
 
-  /// What a ray from inside meets.
+  /// First wall that a ray from inside the box hits.
   struct Hit {
-    std::size_t wall = 0;  ///< axis, + 3 for the higher one of its two
-    double length = 0;     ///< in lengths of the ray
+    std::size_t wall = 0;  ///< axis, + 3 for the wall at its higher end
+    double length = 0;     ///< distance in lengths of the ray
   };
   static Hit hit(const Eigen::Vector3d& eye_m, const Eigen::Vector3d& ray) {
     Hit nearest{0, 1e9};
@@ -40,7 +40,7 @@ struct BoxRoom {
     return nearest;
   }
 
-  /// Luma of a place on a wall, of limited range: waves of 0.55 m about a level of the wall.
+  /// Luma of limited range at a point of a wall: waves of 0.55 m about a level of the wall.
   static double luma(std::size_t wall, const Eigen::Vector3d& at_m) {
     constexpr std::array<double, 6> kLevel{105, 120, 85, 145, 125, 165};
     constexpr double kWave_per_m = 2 * std::numbers::pi / 0.55;
@@ -89,11 +89,11 @@ class BoxCamera {
   std::vector<Eigen::Vector3d> rays_;  ///< unit; x right, y down, z ahead
 };
 
-/// A panorama held against the room.
+/// Differences of a panorama from the box room.
 struct BoxErrors {
-  double known_pct = 0;                         ///< of the field's directions
+  double known_pct = 0;                         ///< share of the field's directions
   std::vector<double> surface_mm;               ///< distance from the true wall, sorted
-  std::array<std::vector<double>, 6> walls_mm;  ///< how far outwards each wall is, by its places
+  std::array<std::vector<double>, 6> walls_mm;  ///< distance outwards from each true wall, by point
 
   double surface(double share) const {
     const auto last = static_cast<double>(surface_mm.size() - 1);
@@ -101,7 +101,7 @@ struct BoxErrors {
   }
 };
 
-/// Unit ray of a place of an equirectangular picture, as docs/reference/room_file.md has them.
+/// Unit ray of a pixel of an equirectangular picture, by docs/reference/room_file.md.
 inline Eigen::Vector3d panorama_ray(int x, int y, int width, int height) {
   const double azimuth = std::numbers::pi * (1 - 2 * (x + 0.5) / width);
   const double elevation = std::numbers::pi * (0.5 - (y + 0.5) / height);
@@ -109,8 +109,8 @@ inline Eigen::Vector3d panorama_ray(int x, int y, int width, int height) {
           std::sin(elevation)};
 }
 
-/// `distance_m(x, y)`: 0 where it is not known. The field is straight ahead. Places within a degree
-/// of an edge of the room are no places of a wall.
+/// Compares a panorama with the room. `distance_m(x, y)`: 0 where it is not known. The field is
+/// straight ahead. Pixels within a degree of an edge of the room do not count for the walls.
 template <typename Distance>
 BoxErrors box_errors(int width, int height, double field_pan_deg, double field_tilt_deg,
                      Distance distance_m) {
@@ -142,10 +142,10 @@ BoxErrors box_errors(int width, int height, double field_pan_deg, double field_t
 /// Lengths of the room by pairs of walls: width, height, and depth from the base to the front wall.
 inline constexpr std::array<std::array<std::size_t, 2>, 3> kBoxLengths{{{0, 3}, {2, 5}, {4, 4}}};
 
-/// Errors of 100 lengths between places of two opposite walls, chosen at random; of those from the
-/// base to one wall where `other` is that wall itself.
+/// Errors of 100 lengths between random points of two opposite walls; if `other` is `wall` itself,
+/// of the lengths from the base to that wall.
 struct LengthErrors {
-  double mean_mm = 0, largest_mm = 0;  ///< of the absolute values
+  double mean_mm = 0, largest_mm = 0;  ///< of the absolute errors
 };
 inline LengthErrors length_errors(const BoxErrors& errors, std::size_t wall, std::size_t other) {
   constexpr int kLengths = 100;

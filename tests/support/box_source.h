@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A tiny source: a grey wall, before which a red box appears after some empty frames.
+// A small source: a grey wall, with a red box in front after some empty frames.
 #pragma once
 
 #include "host/capture/capture/capture_source.h"
 
 namespace mixrig::test {
 
-/// 64x48 px, both cameras the same ideal one; wall at 3 m; from frame `empty` + 1 on a box of
-/// 24x24 px at 2 m with its top left corner at (20, 12).
+/// Frames of 64x48 px; both cameras are one ideal camera. The wall is at 3 m. From frame `empty` +
+/// 1 on a box of 24x24 px at 2 m has its top left corner at (20, 12).
 class BoxSource final : public capture::CaptureSource {
  public:
   static constexpr int kLeft = 20, kTop = 12, kSide = 24;

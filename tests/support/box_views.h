@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Views of a box from a head in its middle, by formula: rays by hand, no projection of the
-// pipeline.
+// Views of a box from a head in its middle. Rays are computed by formula, without the pipeline's
+// projection.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,8 @@ inline double to_wall_m(const Eigen::Vector3d& from, const Eigen::Vector3d& ray)
   return nearest;
 }
 
-/// The camera 8 cm from the origin and off the tilt axis. Axes of the base: right, ahead, up.
+/// Pose of the camera, 8 cm from the origin and off the tilt axis. Axes of the base: right, ahead,
+/// up.
 inline geometry::Pose head_pose(double pan_rad, double tilt_rad) {
   const Eigen::Quaterniond head(Eigen::AngleAxisd(pan_rad, Eigen::Vector3d::UnitZ()) *
                                 Eigen::AngleAxisd(tilt_rad, Eigen::Vector3d::UnitX()));
@@ -38,14 +39,14 @@ inline geometry::Pose head_pose(double pan_rad, double tilt_rad) {
   return {head * Eigen::Quaterniond(camera), head * Eigen::Vector3d(0.05, 0.05, 0.04)};
 }
 
-/// What a view shows beside the box.
+/// Noise and extra surfaces of a view of the box.
 struct BoxView {
   double noise_m = 0;
-  double sheet_m = 0;     ///< a sheet over the whole picture, from the camera; 0: none
+  double sheet_m = 0;     ///< distance of a sheet over the whole picture; 0: none
   bool textured = false;  ///< waves of 0.25 m on the walls; else one colour
 };
 
-/// Both cameras of the view are box_camera() at head_pose().
+/// A view whose target and ToF camera are both box_camera() at head_pose().
 inline model::ScanView box_view(double pan_rad, double tilt_rad, const BoxView& how = {}) {
   const auto camera = box_camera();
   model::ScanView view;
@@ -73,7 +74,7 @@ inline model::ScanView box_view(double pan_rad, double tilt_rad, const BoxView& 
   return view;
 }
 
-/// 50 views of all directions.
+/// 50 views that cover all directions.
 inline std::vector<model::ScanView> box_views(const BoxView& how = {}) {
   std::vector<model::ScanView> views;
   for (int tilt = -2; tilt <= 2; ++tilt)

@@ -15,7 +15,8 @@ namespace mixrig::test {
 
 class ChildProcess {
  public:
-  /// Runs `words` under timeout(1); its output goes to `log`, its errors too or to `errors`.
+  /// Runs `words` under timeout(1). Standard output goes to `log`, standard error to `errors`, or
+  /// to `log` if that is empty.
   ChildProcess(std::vector<std::string> words, int limit_s, const std::string& log = "/dev/null",
                const std::string& errors = "") {
     words.insert(words.begin(), {"timeout", std::to_string(limit_s)});
@@ -42,10 +43,10 @@ class ChildProcess {
     wait();
   }
 
-  /// timeout(1) passes SIGINT and SIGTERM on.
+  /// Sends a signal; timeout(1) passes SIGINT and SIGTERM on to the program.
   void signal(int number) const { kill(pid_, number); }
 
-  /// Of the program itself; 0 where it has ended, or has not begun.
+  /// Process id of the program itself; 0 where it has ended or not begun.
   pid_t program() const {
     const std::string self = std::to_string(pid_);
     std::ifstream children("/proc/" + self + "/task/" + self + "/children");

@@ -11,7 +11,8 @@ thread_local long own_allocations = 0;
 
 }  // namespace mixrig::test
 
-// In a separate file: inlined, the compiler would warn of mismatched allocation functions.
+// These stand in a separate file: if inlined, the compiler would warn of mismatched allocation
+// functions.
 void* operator new(std::size_t size) {
   ++mixrig::test::allocations;
   ++mixrig::test::own_allocations;

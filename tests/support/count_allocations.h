@@ -7,7 +7,7 @@
 namespace mixrig::test {
 
 extern std::atomic<long> allocations;
-/// Of the calling thread alone.
+/// Allocations of the calling thread alone.
 extern thread_local long own_allocations;
 
 }  // namespace mixrig::test

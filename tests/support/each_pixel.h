@@ -10,7 +10,7 @@ struct PixelPlace {
   int x = 0, y = 0;
 };
 
-/// From `from` to before `to`, in x and in y.
+/// Pixels from `from` to just before `to`, in x and in y.
 class EachPixel {
  public:
   EachPixel(PixelPlace from, PixelPlace to) : from_(from), to_(to) {

@@ -51,12 +51,12 @@ class FaceModel {
     const double angle = face == 0 ? -kTurn_rad : kTurn_rad;
     return Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()).toRotationMatrix();
   }
-  /// 1 long along the axis of the face.
+  /// Ray of a pixel of a face, with length 1 along the face's axis.
   static Eigen::Vector3d ray(int face, double x, double y) {
     return turn(face) *
            Eigen::Vector3d((x - kMiddle_px) / kFocal_px, (y - kMiddle_px) / kFocal_px, 1);
   }
-  /// Albedos of 2x2 samples of a pixel of the colour.
+  /// Mean albedo of 2x2 samples in a pixel of the colour.
   Rgbx8 mean_color(const AnalyticScene& room, int face, int x, int y) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const double dx : {0.25, 0.75})

@@ -31,7 +31,7 @@ inline std::string shorts(std::initializer_list<int> values) {
   return out;
 }
 
-/// A GLB file of these two chunks, padded as the format requires.
+/// A GLB file of a JSON and a binary chunk, padded as the format requires.
 inline std::string glb(std::string json, std::string binary) {
   while (json.size() % 4 != 0) json += ' ';
   while (binary.size() % 4 != 0) binary += '\0';

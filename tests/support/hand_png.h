@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// PNG files assembled from the specification (RFC 2083, RFC 1950) with stored deflate blocks and
-// without a library, so that readers are tested independently of our encoder.
+// PNG files assembled from the specification (RFC 2083, RFC 1950) with stored deflate blocks,
+// without a library: readers are tested independently of our encoder.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ inline std::string chunk(const std::string& type, const std::string& data) {
          big_endian(crc32(type + data));
 }
 
-/// One stored block; `raw` holds fewer than 65536 bytes.
+/// A zlib stream of one stored block; `raw` holds fewer than 65536 bytes.
 inline std::string stored_zlib(const std::string& raw) {
   std::uint32_t a = 1, b = 0;
   for (const char byte : raw) {
@@ -40,7 +40,7 @@ inline std::string stored_zlib(const std::string& raw) {
   return out + raw + big_endian((b << 16) | a);
 }
 
-/// `scanlines`: each row a filter byte 0 and then its pixels. `extra`: chunks before the pixels.
+/// `scanlines`: for each row a filter byte 0 and the pixels. `extra`: chunks before the pixels.
 inline std::string hand_png(std::uint32_t width, std::uint32_t height, int bit_depth,
                             int color_type, const std::string& scanlines,
                             const std::string& extra = {}) {
@@ -50,7 +50,7 @@ inline std::string hand_png(std::uint32_t width, std::uint32_t height, int bit_d
          chunk("IDAT", stored_zlib(scanlines)) + chunk("IEND", "");
 }
 
-/// Bytes of a list of values 0..255.
+/// The bytes of a list of values 0..255.
 inline std::string bytes_of(std::initializer_list<int> values) {
   std::string out;
   for (const int value : values) out += static_cast<char>(value);

@@ -13,7 +13,7 @@
 
 namespace mixrig::test {
 
-/// Code of 11 bits whose value is nearest, by search.
+/// Code of 11 bits whose value is nearest to `value`, by search.
 inline int kinect2_code(double value) {
   static const std::vector<int> values = [] {
     std::vector<int> v{0};
@@ -26,11 +26,11 @@ inline int kinect2_code(double value) {
   return value < 0 && best > 0 ? best + 1024 : best;
 }
 
-/// Ten pictures of zeros.
+/// Raw data of ten pictures, at first zeros.
 struct Kinect2Pictures {
   std::vector<std::uint8_t> bytes = std::vector<std::uint8_t>(device::kKinect2RawBytes);
 
-  /// A sample, as it is seen: x to the right.
+  /// Sets a sample. x counts to the right as one sees the picture.
   void put(int picture, int x, int y, int code) {
     const int sent_x = 511 - x, row = y < 212 ? y : 635 - y;
     const long bit = ((picture * 424L + row) * 512 + sent_x / 4 + sent_x % 4 * 128) * 11;
@@ -55,7 +55,7 @@ inline std::vector<std::uint8_t> kinect2_packet(const std::uint8_t* picture, std
   return bytes;
 }
 
-/// A colour packet of a JPEG file, exposed for 8 ms.
+/// A colour packet of a JPEG file, with an exposure of 8 ms.
 inline std::vector<std::uint8_t> kinect2_color_packet(const std::vector<std::uint8_t>& jpeg,
                                                       std::uint32_t frame, std::uint32_t ticks) {
   std::vector<std::uint8_t> bytes;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A motion capture server on the loopback that sends what and when its user says. Its packets are
-// written by tests/unit/mocap/natnet_packets.h, apart from the receiver.
+// A motion capture server on the loopback that sends packets when its user says so.
+// tests/unit/mocap/natnet_packets.h writes them, independently of the receiver.
 #pragma once
 
 #include <cstdint>
@@ -36,8 +36,8 @@ class NatNetSender {
   NatNetSender& operator=(const NatNetSender&) = delete;
 
   int port() const { return port_; }
-  /// Reads a client's packet if one is there within `timeout_ms`, and answers a connect packet by
-  /// the server's name, version 3.0, clock rate and port. True once a client is known.
+  /// Reads a client's packet that arrives within `timeout_ms`, and answers a connect packet with
+  /// the server's name, version 3.0, clock rate and port. Returns whether a client is known.
   bool has_client(int timeout_ms) {
     pollfd wait{fd_, POLLIN, 0};
     if (::poll(&wait, 1, timeout_ms) <= 0) return known_;
@@ -53,7 +53,7 @@ class NatNetSender {
     return true;
   }
   void send(std::span<const std::byte> packet) const { send_by(fd_, packet); }
-  /// From another port, as a second server on this machine does.
+  /// Sends from another port, like a second server on this machine.
   void send_from_elsewhere(std::span<const std::byte> packet) const { send_by(other_fd_, packet); }
 
  private:

@@ -16,7 +16,7 @@
 
 namespace mixrig::test {
 
-/// Its axes move by the system's clock.
+/// Its axes move by the system's clock, in real time.
 class PtuOnAPty {
  public:
   PtuOnAPty() : master_(::posix_openpt(O_RDWR | O_NOCTTY)) {
@@ -43,7 +43,7 @@ class PtuOnAPty {
       pollfd poll{master_, POLLIN, 0};
       if (::poll(&poll, 1, 50) <= 0) continue;
       const ssize_t count = ::read(master_, bytes.data(), bytes.size());
-      if (count <= 0) {  // the other end is not open
+      if (count <= 0) {  // the other side is not open
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
         continue;
       }

@@ -11,7 +11,7 @@
 
 namespace mixrig::test {
 
-/// The table of coefficients: fx, fy, ppx, ppy of entry `index`, the others are 0.
+/// An answer with the table of coefficients: entry `index` has fx, fy, ppx, ppy, the others are 0.
 inline std::vector<std::uint8_t> realsense_answer(int index, std::array<float, 4> k) {
   std::vector<std::uint8_t> body(560);  // 4 matrices, baseline, model, 88, 16 entries, 64
   std::memcpy(body.data() + 240 + 16 * index, k.data(), sizeof k);

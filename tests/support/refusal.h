@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is refused, in one line that says the decisive words.
+// Checks that something is refused, with one line that has the decisive words.
 #pragma once
 
 #include <initializer_list>
@@ -13,7 +13,8 @@
 
 namespace mixrig::test {
 
-/// Whether `result` is an error of one line that holds all `words`, of this code where one is given.
+/// Whether `result` is an error whose text is one line that contains all `words`; if `code` is
+/// given, also of that code.
 template <typename T>
 testing::AssertionResult refused(const Result<T>& result,
                                  std::initializer_list<std::string_view> words,

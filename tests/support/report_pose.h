@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses of a report of mixrig calibrate rig against those of truth.json.
+// Compares poses in a report of `mixrig calibrate rig` with those of truth.json.
 #pragma once
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Seeds of the virtual studio, in one place. Nothing may be tuned on a seed above kLastTuned, nor a
-// default, threshold or bound chosen by looking at one: such seeds are held out, and are what tests
-// of whole runs and published figures use. docs/results/make.py reads this file.
+// Seeds of the virtual studio, in one place. Nothing may be tuned on a seed above kLastTuned, and
+// no default, threshold or bound may be chosen by looking at one. These held-out seeds serve the
+// tests of whole runs and the published figures. docs/results/make.py reads this file.
 #pragma once
 
 #include <algorithm>
@@ -11,18 +11,20 @@ namespace mixrig::test::seeds {
 
 inline constexpr int kLastTuned = 1000;
 
-/// Seeds of the figures in docs/results: held out, and for comparison those that may be tuned on.
+/// Seeds of the figures in docs/results: held out ones, and for comparison some that may be tuned
+/// on.
 inline constexpr std::array kFigures{1101, 1102};
 inline constexpr std::array kTunedFigures{7};
 /// Seeds of the figures with an estimated calibration: boards and takes of one rig.
 inline constexpr std::array kCalibratedFigures{1101};
 
-/// Of tests of whole runs.
+/// Held-out seeds of tests of whole runs.
 inline constexpr int kWalk = 1021, kTalk = 1022, kCoarseWalk = 1023, kMoving = 1031, kSet = 1051;
-/// Of the test that judges the measures, not the compositor: its margins were looked at.
+/// Seed of the test that checks the measures, not the compositor: its margins were looked at.
 inline constexpr int kBaselines = 12;
-/// Of a take with all imperfections for each depth camera (docs/reference/studio.md). Their bounds
-/// were chosen by looking at them: they hold what is there, and are no figures of other seeds.
+/// Seeds of a take with all imperfections for each depth camera (docs/reference/studio.md). Their
+/// bounds were chosen by looking at them: they guard against regressions, and say nothing about
+/// other seeds.
 inline constexpr int kRealisticSr3000 = 1041, kRealisticKinect2 = 1042, kRealisticHelios2 = 1043;
 
 static_assert(std::ranges::all_of(kFigures, [](int seed) { return seed > kLastTuned; }));

@@ -16,10 +16,10 @@
 namespace mixrig::test {
 
 struct TakenSample {
-  int number = 0;      ///< of the system's frame; lost ones leave a gap
-  double time_s = 0;   ///< of the take: the moment that the pose shows
-  double stamp_s = 0;  ///< on the system's clock
-  float position_m[3] = {}, rotation_xyzw[4] = {};  ///< of the body; z up
+  int number = 0;      ///< frame number of the system; lost frames leave a gap
+  double time_s = 0;   ///< time of the take at which the pose is true
+  double stamp_s = 0;  ///< time on the system's clock
+  float position_m[3] = {}, rotation_xyzw[4] = {};  ///< pose of the body; z up
 };
 
 /// truth/rig.json says how the system's clock runs. Empty where a file is missing.

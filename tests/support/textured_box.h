@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A box with patterned walls, as a panorama and as fisheye pictures, by formula: rays, walls and an
-// equidistant lens, none of them the pipeline's.
+// A box with patterned walls, as a panorama and as fisheye pictures. Rays, walls and an equidistant
+// lens are computed by formula, without the pipeline.
 #pragma once
 
 #include <algorithm>
@@ -21,13 +21,13 @@ namespace mixrig::test {
 
 class TexturedBox {
  public:
-  /// `contrast` 0: bare walls. Rooms of other patterns look different. `period_m`: the pattern of
-  /// the walls repeats; 0: it does not.
+  /// `pattern` selects the look of the walls. `contrast` 0: bare walls. `period_m`: distance after
+  /// which the pattern repeats; 0: it does not.
   explicit TexturedBox(unsigned pattern = 1, double contrast = 1, double period_m = 0)
       : pattern_(pattern), contrast_(contrast), period_m_(period_m) {}
 
-  /// Things that make walls hard. In the panorama the mirror is as far off as its glass, and the
-  /// door is closed.
+  /// Objects that make localization hard. The panorama shows the mirror at the depth of its glass,
+  /// and the door closed.
   struct Things {
     bool mirror = false;  ///< on the wall y = 2.9, 1.2 x 1.4 m
     double door_rad = 0;  ///< how far a door of the wall x = 2.3, 0.9 x 2 m, is open
@@ -36,7 +36,7 @@ class TexturedBox {
 
   static constexpr std::array<double, 3> kLow_m{-2.1, -1.6, -1.4}, kHigh_m{2.3, 2.9, 1.5};
 
-  /// Distance to the walls along a unit ray, from inside.
+  /// Distance to the walls along a unit ray from inside the box.
   static double distance_m(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray) {
     double nearest = 1e9;
     for (int k = 0; k < 3; ++k) {
@@ -47,7 +47,7 @@ class TexturedBox {
     return nearest;
   }
 
-  /// 0 to 1, of what a ray meets.
+  /// Grey value, 0 to 1, of what a ray hits.
   double grey(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray) const {
     const Eigen::Vector3d p = eye + distance_m(eye, ray) * ray;
     if (things_.mirror && p.y() > kHigh_m[1] - 1e-6 && std::abs(p.x()) < 0.6 &&
@@ -58,7 +58,7 @@ class TexturedBox {
     return things_.door_rad > 0 ? behind_the_door(eye, ray, p) : paint(p);
   }
 
-  /// 0 to 1, of a place on a wall.
+  /// Grey value, 0 to 1, of a point on a wall.
   double paint(Eigen::Vector3d p) const {
     if (period_m_ > 0)
       for (int k = 0; k < 3; ++k) p[k] -= period_m_ * std::floor(p[k] / period_m_);
@@ -66,7 +66,8 @@ class TexturedBox {
            contrast_ * (0.55 * (noise(p / 0.5, 11) - 0.5) + 0.4 * (noise(p / 0.13, 23) - 0.5));
   }
 
-  /// `wrong_rad`: each of 24 parts of it is turned by so much, about another axis.
+  /// `wrong_rad`: each of the panorama's 24 parts is turned by this angle, about an axis that
+  /// depends on part and `seed`.
   model::Panorama panorama(int height = 360, double wrong_rad = 0, unsigned seed = 1) const {
     model::Panorama room;
     const Size size{2 * height, height};
@@ -94,8 +95,8 @@ class TexturedBox {
     return geometry::FisheyeModel({kPicture, kF_px, kF_px, 160.3, 127.1, {}});
   }
 
-  /// What the fisheye sees, with noise of `sigma` grey values of 255 that `seed` chooses; black
-  /// more than 92 degrees off the axis.
+  /// Picture of the fisheye, with noise of `sigma` grey values of 255 drawn from `seed`; black more
+  /// than 92 degrees off the axis.
   Image<Rgb8> picture(const geometry::Pose& room_from_camera, double sigma = 0,
                       unsigned seed = 1) const {
     Image<Rgb8> out(kPicture);
@@ -108,7 +109,7 @@ class TexturedBox {
         const double across = radius > 0 ? std::sin(angle) / radius : 0;
         const Eigen::Vector3d ray =
             room_from_camera.rotation * Eigen::Vector3d(across * u, across * v, std::cos(angle));
-        double noise = 0;  // of 12 uniform values: normal enough
+        double noise = 0;  // sum of 12 uniform values: nearly normal
         for (int k = 0; k < (sigma > 0 ? 12 : 0); ++k) {
           state = state * 6364136223846793005ULL + 1442695040888963407ULL;
           noise += static_cast<double>(state >> 40) / (1 << 24) - 0.5;
@@ -119,7 +120,7 @@ class TexturedBox {
   }
 
  private:
-  /// By `angle_rad` about an axis that part and seed choose.
+  /// Turns `ray` by `angle_rad` about an axis that depends on part and seed.
   static void turn_part(int part, double angle_rad, unsigned seed, Eigen::Vector3d& ray) {
     const double a = 2.4 * part + seed, b = std::sin(1.7 * part + 3.1 * seed);
     const Eigen::Vector3d axis = Eigen::Vector3d(std::cos(a), std::sin(a), b).normalized();

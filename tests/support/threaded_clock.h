@@ -9,7 +9,7 @@
 
 namespace mixrig::test {
 
-/// Advances by advance() and by sleep_until(), so that drivers that wait between attempts take no
+/// Only advance() and sleep_until() advance it, so that drivers that wait between attempts take no
 /// real time. Thread-safe.
 class ThreadedClock : public Clock {
  public:
@@ -27,8 +27,8 @@ class ThreadedClock : public Clock {
   std::atomic<std::int64_t> now_ns_{1'000'000'000};
 };
 
-/// Advances by advance() only: sleep_until yields and returns too early, so that a loop that sleeps
-/// until a time waits for the test.
+/// Only advance() advances it. sleep_until() yields and returns too early, so that a loop that
+/// sleeps until a time waits for the test.
 class SteppedClock final : public ThreadedClock {
  public:
   void sleep_until(HostTime) override { std::this_thread::yield(); }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a camera on a pan-tilt head sees of a room with one bright bar: drawn from the head's angle,
-// apart from the pipeline's chain and cameras.
+// A room with one bright bar as a camera on a pan-tilt head sees it, computed from the head's angle
+// without the pipeline's chain and cameras.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A UDP socket of this machine that hears what is sent to it.
+// A UDP socket of this machine that receives what is sent to it.
 #pragma once
 
 #include <string>
@@ -37,7 +37,7 @@ class UdpListener {
     bytes.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
     return bytes;
   }
-  /// As next(), of one that was sent: the kernel may deliver it later. Empty after two minutes.
+  /// Waits for the next datagram; empty after two minutes.
   std::string awaited() {
     std::string bytes;
     (void)comes_true([&] { return !(bytes = next()).empty(); });

@@ -26,7 +26,7 @@ void replace(std::string& text, const std::string& what, const std::string& with
   text.replace(at, what.size(), with);
 }
 
-/// A file with the built-in camera description plus features.
+/// Writes the built-in camera description with the features added to a file.
 std::string description(const GenicamFeatures& features) {
   ArvGvFakeCamera* plain = arv_gv_fake_camera_new("127.0.0.1", "PLAIN");
   size_t size = 0;
@@ -45,7 +45,7 @@ std::string description(const GenicamFeatures& features) {
     more += "<Integer Name=\"PayloadSize\"><Value>" + std::to_string(features.payload_bytes) +
             "</Value></Integer>\n";
   }
-  // The host then sets a trigger that the emulated camera does not look at.
+  // The host then sets a trigger register that the emulated camera ignores.
   if (!features.sends_alone) replace(text, "<Address>0x300</Address>", "<Address>0x3300</Address>");
   text.insert(text.find(formats), more);
   static int count = 0;

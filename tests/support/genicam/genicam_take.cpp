@@ -15,12 +15,13 @@ namespace {
 
 constexpr double kStep_m = 0.00025;
 constexpr std::uint16_t kInvalid = 65535;
-constexpr std::uint64_t kAhead = 6;  // frames: some until the host has learned the clocks
-constexpr std::uint64_t kClockAhead_ns = 12'345'678'901;  // of the cameras' clock
+constexpr std::uint64_t kAhead =
+    6;  // frames that may be sent ahead: the host leaves some out until it has learned the clocks
+constexpr std::uint64_t kClockAhead_ns = 12'345'678'901;  // lead of the cameras' clock
 
 using namespace std::chrono;
 
-/// The parts, as 16-bit samples, of a point cloud of one component.
+/// Features of a camera that sends the parts, as 16-bit samples, of a point cloud of one component.
 GenicamFeatures depth_features(const take::TakeInfo& info, GenicamDepthLayout layout) {
   const geometry::Pinhole& lens = info.tof.pinhole;
   GenicamFeatures features = helios2_features(lens.fx_px, lens.cx_px, lens.cy_px);
@@ -170,7 +171,7 @@ void GenicamTake::send_depth(const Frame& frame, std::uint64_t counter, std::uin
     buffer_.push_back(static_cast<std::uint8_t>(value >> 8));
   };
   for (std::size_t i = 0; i < frame.steps.size(); ++i)
-    word(0), word(0), word(frame.steps[i]), word(frame.amplitude[i]);  // A, B: not read
+    word(0), word(0), word(frame.steps[i]), word(frame.amplitude[i]);  // A and B are not read
   sender_.send_picture(depth_.host(), static_cast<std::uint16_t>(counter), stamp_ns,
                        {device::pfnc::kCoord3dAbcy16, depth_px_, buffer_});
 }

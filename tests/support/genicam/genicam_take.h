@@ -20,38 +20,38 @@
 namespace mixrig::test {
 
 enum class GenicamDepthLayout {
-  kAbcy,   ///< Coord3D_ABCY16, as LUCID's cameras have it
+  kAbcy,   ///< Coord3D_ABCY16, the layout of LUCID's cameras
   kParts,  ///< Coord3D_C16, Mono16 and Confidence16 as parts of one buffer
   kNone,   ///< no depth camera: another device sends the depth
 };
 
-/// Plays from a thread of its own, from the time that the host acquires from both cameras: all
-/// frames once, then the last one on.
+/// Plays a take in its own thread, from the time that the host acquires from both cameras: every
+/// frame once, then the last one repeatedly.
 class GenicamTake {
  public:
   using Shutter = std::function<void(int frame)>;
 
-  /// All frames are read before it returns. `shutter` is called on its thread when a frame, from 1
-  /// on, is exposed. Errors: those of the take.
+  /// Reads all frames before it returns. `shutter` is called on the playing thread when a frame,
+  /// counted from 1, is exposed. Errors: those of the take.
   static Result<std::unique_ptr<GenicamTake>> open(const std::string& take, double rate_hz,
                                                    GenicamDepthLayout layout, Shutter shutter = {});
   ~GenicamTake();
-  /// From now on a frame is sent when the host has `recorded` all but the last six, or has not
-  /// recorded another one for ten seconds: the host may be slow.
+  /// From now on a frame is sent once `recorded` is at most six frames behind, or has not grown for
+  /// ten seconds: the host may be slow.
   void wait_for(std::function<int()> recorded);
-  /// All frames were sent, and the last one twice more.
+  /// Whether all frames were sent, and the last one twice more.
   bool finished() const { return finished_; }
   bool running() const { return color_.running() && depth_.running(); }
   int frames() const { return static_cast<int>(frames_.size()); }
   /// The take's frame, from 1 on, that was sent with this counter.
   int frame_of(std::uint64_t counter) const;
-  /// Steps of 0.25 mm of a frame's depth as they were sent, 65535 = unknown.
+  /// Depth of a frame in steps of 0.25 mm, as it was sent; 65535 is unknown.
   const std::vector<std::uint16_t>& steps(int frame) const {
     return frames_[static_cast<std::size_t>(frame - 1)].steps;
   }
-  /// Seconds from the start of the acquisition to the end of the last frame, and a bit.
+  /// Seconds from the start of the acquisition to the end of the last frame, and four frames more.
   double seconds() const { return (frames() + 4) / rate_hz_; }
-  /// [[camera]] and, where it has a depth camera, [depth] of a rig.toml.
+  /// [[camera]] and, if there is a depth camera, [depth] of a rig.toml.
   std::string rig_tables() const;
 
  private:
@@ -78,7 +78,7 @@ class GenicamTake {
   std::vector<std::uint8_t> buffer_;
   std::mutex mutex_;  ///< guards recorded_
   std::function<int()> recorded_;
-  std::uint64_t left_out_ = 0;  ///< by the host, as it seems
+  std::uint64_t left_out_ = 0;  ///< frames that the host seems to have lost
   std::atomic<bool> stop_ = false, finished_ = false;
   std::thread thread_;
 };

@@ -32,7 +32,7 @@ Bytes header(std::uint16_t id, std::uint32_t kind, std::uint32_t packet) {
   return bytes;
 }
 
-/// With a 64-bit id; a leader also has the number of parts.
+/// A packet header with a 64-bit id; that of a leader also has the number of parts.
 Bytes extended_header(std::uint64_t id, std::uint32_t kind, std::uint32_t packet,
                       std::size_t parts) {
   Bytes bytes;

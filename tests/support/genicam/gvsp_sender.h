@@ -23,15 +23,15 @@ struct GvspPicture {
   std::uint16_t purpose = 0;    ///< of a part: the component
 };
 
-/// Where the host listens, as the camera's registers say it.
+/// Destination of the stream, as set in the camera's registers.
 struct GvspHost {
   std::uint32_t address = 0;  ///< IPv4
   std::uint16_t port = 0;
-  std::size_t packet_bytes = 0;  ///< with the headers of IP, UDP and GVSP
+  std::size_t packet_bytes = 0;  ///< including the headers of IP, UDP and GVSP
 };
 
-/// Waits where the receiver's socket on this machine is full, so that no packet is lost on the
-/// loopback interface however slow the receiver is. For one thread.
+/// Sends packets from one thread. Waits while the receiver's socket on this machine is full, so
+/// that no packet is lost on the loopback interface however slow the receiver is.
 class GvspSender {
  public:
   GvspSender();
@@ -39,17 +39,18 @@ class GvspSender {
   GvspSender(const GvspSender&) = delete;
   GvspSender& operator=(const GvspSender&) = delete;
 
-  /// `id` counts from 1 and has 16 bits; `chunks` are appended to the picture's bytes.
+  /// Sends one picture. `id` counts from 1 and has 16 bits; `chunks` are appended to the picture's
+  /// bytes.
   void send_picture(const GvspHost& host, std::uint16_t id, std::uint64_t stamp_ns,
                     const GvspPicture& picture, std::span<const std::uint8_t> chunks = {});
-  /// All parts in one block with a 64-bit id, as multi-part payload has to be.
+  /// Sends all parts in one block with a 64-bit id, as multi-part payload requires.
   void send_parts(const GvspHost& host, std::uint64_t id, std::uint64_t stamp_ns,
                   std::span<const GvspPicture> parts);
 
  private:
   void send(const GvspHost& host, const std::vector<std::uint8_t>& packet);
   int socket_;
-  std::size_t unread_bytes_ = 0;  ///< sent since the receiver's queue was looked at
+  std::size_t unread_bytes_ = 0;  ///< sent since the receiver's queue was last read
 };
 
 }  // namespace mixrig::test

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a recording of GenicamTake holds, frame by frame, and the truth of the take that was played.
+// Maps the frames of a recording of GenicamTake to those of the take that was played, and its
+// truth.
 #pragma once
 
 #include <cstdio>
@@ -15,12 +16,12 @@
 
 namespace mixrig::test {
 
-/// Frames of the take that was played, of one recorded frame.
+/// Frames of the played take that make up one recorded frame.
 struct SentFrame {
   int color = 0, depth = 0;  ///< 0: none
 };
 
-/// By the counters in ticks.csv of the recording; `depth` is 0 in frames without it.
+/// Reads the counters in ticks.csv of the recording; `depth` is 0 in frames without depth.
 inline std::map<int, SentFrame> sent_frames(const std::filesystem::path& recording,
                                             const GenicamTake& cameras) {
   std::map<int, SentFrame> frames;
@@ -39,7 +40,7 @@ inline std::map<int, SentFrame> sent_frames(const std::filesystem::path& recordi
   return frames;
 }
 
-/// [target], [tof] and [target_from_tof] of a rig.toml, as a studio take has them.
+/// [target], [tof] and [target_from_tof] of a rig.toml, copied from a studio take.
 inline std::string camera_tables(const std::filesystem::path& take) {
   std::ifstream file(take / "take.toml");
   const std::string text(std::istreambuf_iterator<char>(file), {});
@@ -48,7 +49,7 @@ inline std::string camera_tables(const std::filesystem::path& take) {
                             std::regex("view = .*"), "");
 }
 
-/// [world_from_target] of a rig.toml, of the first pose of a take.
+/// [world_from_target] of a rig.toml: the first pose of a take.
 inline std::string world_table(const std::filesystem::path& take) {
   std::ifstream file(take / "poses.txt");
   double t = 0, p[3], q[4];
@@ -65,7 +66,7 @@ inline std::string world_table(const std::filesystem::path& take) {
   return text;
 }
 
-/// Gives a recording the truth of the take that was played, renumbered.
+/// Copies the truth of the played take into the recording, under the recording's frame numbers.
 inline void give_truth(const std::filesystem::path& take, const std::filesystem::path& recording,
                        const GenicamTake& cameras) {
   namespace fs = std::filesystem;

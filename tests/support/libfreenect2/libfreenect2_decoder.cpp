@@ -12,7 +12,7 @@
 #include "hal/wire/camera/kinect2_raw.h"
 #include "host/math/geometry/camera_model.h"
 
-// Defined in a file of the library that is not compiled here, since it needs the device.
+// The library defines this in a file that is not compiled here, since it needs the device.
 libfreenect2::Freenect2Device::Config::Config()
     : MinDepth(0.3F), MaxDepth(9.0F), EnableBilateralFilter(true), EnableEdgeAwareFilter(true) {}
 
@@ -30,7 +30,7 @@ geometry::CameraModel lens_of(std::span<const std::uint8_t> infrared) {
           geometry::Lens({k1, k2, p1, p2, k3, 0, 0, 0})};
 }
 
-/// Times the decoder.
+/// Measures the processor time of the decoder.
 class TimedDecoder final : public libfreenect2::CpuDepthPacketProcessor {
  public:
   double cpu_s = 0;
@@ -39,7 +39,7 @@ class TimedDecoder final : public libfreenect2::CpuDepthPacketProcessor {
     CpuDepthPacketProcessor::process(packet);
     cpu_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     libfreenect2::DepthPacket done = packet;
-    releaseBuffer(done);  // the parser waits for one of two
+    releaseBuffer(done);  // the parser waits for one of its two buffers
   }
 };
 
@@ -54,7 +54,7 @@ struct Libfreenect2Decoder::Parts final : libfreenect2::FrameListener {
   explicit Parts(const geometry::CameraModel& camera) : lens(camera) {}
 
   void load_tables(std::span<const std::uint8_t> phase_offsets) {
-    constexpr double kScaling = 8192, kRange_mm = 6250.0 / 3;  // its constants
+    constexpr double kScaling = 8192, kRange_mm = 6250.0 / 3;  // constants of the library
     const auto area = static_cast<std::size_t>(kSize.area());
     std::vector<float> x_table(area), z_table(area);
     std::size_t i = 0;
@@ -86,10 +86,10 @@ struct Libfreenect2Decoder::Parts final : libfreenect2::FrameListener {
         if (const auto ray = lens.unproject({x, y}))
           distance_m.at(x, y) =
               1e-3F * *z_mm * static_cast<float>(std::sqrt(1 + ray->squaredNorm()));
-    return false;  // it may write into the frame again
+    return false;  // the library may write into the frame again
   }
 
-  /// Packets of the isochronous pipe; an empty one ends a picture.
+  /// Sends a picture as packets of the isochronous pipe; an empty packet ends it.
   void feed(std::vector<std::uint8_t>& picture) {
     for (std::size_t at = 0; at < picture.size(); at += kIsochronous_bytes)
       parser.onDataReceived(picture.data() + at, std::min(kIsochronous_bytes, picture.size() - at));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// libfreenect2's CPU decoder with its default filters, as an independent one.
+// libfreenect2's CPU decoder with its default filters, as an independent reference.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +10,20 @@
 
 namespace mixrig::test {
 
-/// Range 0.3 to 9 m. Its tables of x and z are computed for the rows that it writes: its own
-/// program computes them for the rows as they are sent, upside down, which moves z by what the lens
-/// is off the middle. One thread.
+/// Decodes depth from 0.3 to 9 m in one thread. Its tables of x and z are computed for the rows
+/// that it writes. libfreenect2's own program computes them for the rows as they are sent, upside
+/// down; where the lens is off the middle, z is then wrong.
 class Libfreenect2Decoder {
  public:
-  /// The device's answers to the requests for its phase offsets and its infrared lens, valid ones.
+  /// Both are the device's answers to the requests for its phase offsets and its infrared lens, and
+  /// must be valid.
   Libfreenect2Decoder(std::span<const std::uint8_t> phase_offsets,
                       std::span<const std::uint8_t> infrared);
   ~Libfreenect2Decoder();
 
-  /// `raw`: ten pictures, each with its footer, as the device sends them; they go through its
-  /// stream parser. Distances along the ray, metres, as one sees them (x to the right), 0 unknown;
-  /// empty where the parser gave no frame.
+  /// `raw`: ten pictures, each with its footer, as the device sends them; they go through the
+  /// library's stream parser. Returns distances along the ray in metres, x to the right as one sees
+  /// the scene, 0 where unknown; empty where the parser gave no frame.
   const Image<float>& decode(std::span<const std::uint8_t> raw);
   /// Processor time of the decoder alone in the last call.
   double cpu_s() const;

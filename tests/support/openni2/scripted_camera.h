@@ -43,9 +43,9 @@ class ScriptedModule {
   ScriptedCamera camera_;
 };
 
-/// Depth and colour of the camera, as the library's recorder writes them to a file. The recorder
-/// begins in its own time: the given picture is shown until it does, so a recording begins with one
-/// or some of it, and may have one more of one stream.
+/// Records depth and colour of the camera with the library's own recorder. The recorder begins with
+/// a delay; the given picture is shown until it does. A recording therefore begins with one or
+/// several copies of it, and one stream may have one copy more than the other.
 class ScriptedRecording {
  public:
   ScriptedRecording(const std::string& file, ScriptedModule& module,
@@ -61,7 +61,7 @@ class ScriptedRecording {
     }
     EXPECT_EQ(oniRecorderStart(recorder_), ONI_STATUS_OK);
     for (OniStreamHandle stream : streams_) EXPECT_EQ(oniStreamStart(stream), ONI_STATUS_OK);
-    // At most so many pictures: what the recorder has not written yet waits in memory.
+    // The limit bounds memory: pictures that the recorder has not written yet wait there.
     constexpr int kMostShown = 200;
     auto shown = std::chrono::steady_clock::now();
     EXPECT_TRUE(comes_true([&] {
@@ -74,11 +74,11 @@ class ScriptedRecording {
       return !none && bytes > rgb.size();
     })) << "the recorder does not begin";
   }
-  /// The frame that is shown next.
+  /// Number of the frame that is shown next.
   int next() { return ++frames_; }
   ScriptedRecording(const ScriptedRecording&) = delete;
   ScriptedRecording& operator=(const ScriptedRecording&) = delete;
-  /// Completes the file.
+  /// Completes and closes the file.
   ~ScriptedRecording() {
     oniRecorderStop(recorder_);
     oniRecorderDestroy(&recorder_);

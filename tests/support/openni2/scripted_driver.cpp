@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A driver module of OpenNI2 whose camera shows what a test gives it (scripted_driver.h).
+// A driver module of OpenNI2 whose camera shows the test's pictures (scripted_driver.h).
 #define XN_NEW(type, ...) new type(__VA_ARGS__)
 #define XN_DELETE(object) delete object
 #include "tests/support/openni2/scripted_driver.h"

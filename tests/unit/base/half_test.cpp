@@ -9,7 +9,7 @@
 namespace mixrig {
 namespace {
 
-/// By the definition of binary16.
+/// Value of a half-precision number by the definition of binary16.
 double value_of(int half) {
   const int exponent = half >> 10, mantissa = half & 0x3FF;
   return exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(1024 + mantissa, exponent - 25);

@@ -68,7 +68,7 @@ TEST(WorkGate, APauseWaitsForWorkThatHasBegunAndHoldsBackWhatComesAfter) {
   EXPECT_TRUE(second_began) << "work goes on after the pause";
 }
 
-/// Whether another thread can begin work now. Where it cannot, `blocking` is released, so that the
+/// Whether another thread can begin work now. If it cannot, `blocking` is released, so that the
 /// test fails and does not hang.
 template <typename Blocking>
 bool begins_work(WorkGate* gate, std::optional<Blocking>& blocking) {

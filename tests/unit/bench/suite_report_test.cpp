@@ -63,7 +63,8 @@ TEST(SuiteReport, PlotIsAFileOfSvg) {
   EXPECT_NE(svg.find("</svg>"), std::string::npos);
 }
 
-// By hand, of 1280x1024 and 512x424: 70 bytes a view pixel, 85 a ToF pixel.
+// Expected values computed by hand for 1280x1024 and 512x424: 70 bytes per view pixel, 85 per ToF
+// pixel.
 TEST(MovedBytes, AreThoseOfTheStages) {
   const Size view{1280, 1024}, tof{512, 424};
   EXPECT_DOUBLE_EQ(moved_bytes(view, tof), 1280.0 * 1024 * 70 + 512.0 * 424 * 85);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Angles against where the camera looks, by what the words mean.
+// Compares camera angles with the viewing direction, by the definitions of pan, tilt and roll.
 #include "extras/broadcast/packets/camera_angles.h"
 
 #include <cmath>

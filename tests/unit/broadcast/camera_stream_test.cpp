@@ -110,12 +110,12 @@ TEST_F(CameraStreamTest, GivesThePoseAtMidExposureFromBothProtocols) {
     for (int i = 0; i < 50; ++i) send(begin_s + kFrame_s * i, swing(begin_s + kFrame_s * i));
     for (int i = 5; i < 40; ++i) {
       const double t_s = begin_s + kFrame_s * i;
-      // On a sample: a unit of FreeD in each axis is 0.016 mm and 0.5 urad.
+      // At a sample: FreeD's units are 0.016 mm and 0.5 urad in each axis.
       const auto on = at(t_s);
       ASSERT_TRUE(on.ok());
       EXPECT_LT(distance(on.world_from_target, swing(t_s)).shift_m, 2e-5) << freed;
       EXPECT_LT(distance(on.world_from_target, swing(t_s)).turn_rad, 1e-6) << freed;
-      // Between two: 4 m/s^2 over 40 ms leave 0.8 mm.
+      // Between two samples: 4 m/s^2 over 40 ms leave an error of 0.8 mm.
       const auto between = at(t_s + 0.02);
       ASSERT_TRUE(between.ok());
       EXPECT_LT(distance(between.world_from_target, swing(t_s + 0.02)).shift_m, 0.0009);

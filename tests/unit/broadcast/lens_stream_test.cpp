@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the encoders of a lens say over the network, at mid-exposure.
+// Values of lens encoders received over the network, at mid-exposure.
 #include "host/capture/live/session/lens_stream.h"
 
 #include <array>

@@ -70,7 +70,7 @@ TEST(OpenTrackPublished, ReadsThePublishedSample) {
   EXPECT_FALSE(parsed(complete)) << "its camera is a mesh that is scaled";
 }
 
-/// What is sent has the names, places and types of the published sample.
+/// Samples that we send have the names, places and types of the published sample.
 TEST(OpenTrackPublished, WhatIsSentIsNamedAsInThePublishedSample) {
   OpenTrackSample sample;
   sample.number = 1, sample.time_ns = 1'000'000'001, sample.status = "ok";

@@ -59,7 +59,7 @@ TEST(OpenTrackReader, ReadsPoseTimeAndSourceFromBothEncodings) {
     ASSERT_TRUE(reading->stage_from_camera);
     const geometry::Pose& pose = *reading->stage_from_camera;
     EXPECT_LT((pose.translation_m - Eigen::Vector3d(1, 2, 3)).norm(), 1e-12);
-    // Turned by 90 degrees to the left it looks along -x, its right is +y, its down -z.
+    // A camera turned by 90 degrees to the left looks along -x; its right is +y, its down -z.
     EXPECT_LT((pose.rotation * Eigen::Vector3d::UnitZ() + Eigen::Vector3d::UnitX()).norm(), 1e-12);
     EXPECT_LT((pose.rotation * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), 1e-12);
     EXPECT_LT((pose.rotation * Eigen::Vector3d::UnitY() + Eigen::Vector3d::UnitZ()).norm(), 1e-12);

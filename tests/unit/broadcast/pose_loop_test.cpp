@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What [[pose_out]] of one run sends is what a pose source of another reads: over sockets of this
-// machine, the time is injected.
+// Poses that [[pose_out]] of one run sends are read by a pose source of another run: over sockets
+// of this machine, with injected time.
 #include <gtest/gtest.h>
 
 #include "extras/broadcast/poses/camera_stream.h"

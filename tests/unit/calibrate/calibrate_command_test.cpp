@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// mixrig calibrate intrinsics on drawn boards: what it writes, and what it says to bad input.
+// `mixrig calibrate intrinsics` on drawn boards: its output, and its errors for bad input.
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -75,7 +75,7 @@ TEST(CalibrateIntrinsics, WritesTheCameraReportAndPicture) {
   EXPECT_EQ(report["views"].size(), kViews + 1);
   EXPECT_EQ(report["uncertainty"]["sigma_px"].size(), 12U * 9U);
   EXPECT_TRUE(fs::exists(take.path("p.png")));
-  // The same name for another camera is asked about.
+  // If the name already belongs to another camera, the command asks.
   take.edit("c.toml", "fx = 5", "fx = 7");
   const Outcome again =
       take.mixrig("calibrate intrinsics view?.png" + kBoardOption + "--out c.toml");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// mixrig calibrate lens: what it writes and how it judges it, and what it says to bad input.
+// `mixrig calibrate lens`: its output and verdict, and its errors for bad input.
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -119,8 +119,8 @@ void pair_rays(const AnyCamera& truth, const AnyCamera& other, double angle, Use
   }
 }
 
-/// Mean squares of the angles between these rays, degrees, once a common rotation (which no board
-/// tells from another pose) is taken out.
+/// Mean squares of the angles between the rays of two cameras, in degrees, after a common rotation
+/// is removed (boards cannot distinguish it from another pose).
 AngleErrors ray_errors_deg2(const AnyCamera& truth, const AnyCamera& other) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (double angle = 0.1; angle < 1.6; angle += 0.1)
@@ -140,7 +140,7 @@ AngleErrors ray_errors_deg2(const AnyCamera& truth, const AnyCamera& other) {
   return errors;
 }
 
-/// The same by lenses drawn from the covariance.
+/// Mean squares of the angles for lenses drawn from the stated covariance.
 AngleErrors stated_errors_deg2(const Intrinsics& found) {
   constexpr int kDraws = 10;
   std::mt19937 random(5);

@@ -20,8 +20,8 @@ using device::DeviceState;
 
 constexpr int kRestFrames = 6;  ///< at each place; five make a view
 
-/// A board that rests at one place after the other before a target and a depth camera, with a
-/// fisheye that shows nothing.
+/// A board that rests at one position after the other before a target and a depth camera; the
+/// fisheye shows nothing.
 class HeldBoard final : public capture::CaptureSource {
  public:
   HeldBoard() {
@@ -65,7 +65,7 @@ class CollectViews : public ::testing::Test {
     arguments_.settings.frames = 5, arguments_.settings.still_time = 150ms;
   }
   auto collect() { return tools::collect_views(source_, arguments_, stop_); }
-  /// Each picture of each view can be read, and nothing else was left.
+  /// Expects that each picture of each view can be read, and that no other file remains.
   void expect_whole(int views) const {
     const auto set = calibration::read_view_set(arguments_.out);
     ASSERT_TRUE(set) << set.error().context;

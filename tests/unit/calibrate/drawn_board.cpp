@@ -117,7 +117,7 @@ Image<std::uint8_t> draw_board(const BoardSpec& board, const DrawnCamera& camera
     const Vector3d at = board_from_ray * camera.ray({x, y}).homogeneous();
     return face.at(at.x() / at.z(), at.y() / at.z());
   };
-  // Over the pixel's area; one sample will do where its corners and middle look alike.
+  // Averages over the pixel's area; one sample suffices where its corners and middle are alike.
   const auto mean_face = [&](int x, int y) {
     const double here = face_at(x, y);
     double sum = 0;

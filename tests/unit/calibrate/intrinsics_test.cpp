@@ -152,7 +152,7 @@ TEST(Intrinsics, RefusesWhatCannotCarryAnAnswer) {
   EXPECT_NE(refusal({}).find("only 0 usable views"), std::string::npos);
   EXPECT_NE(refusal(observe(pinhole(), many_poses(1, 0.42, 2), 0.1, 1)).find("only 2 usable"),
             std::string::npos);
-  // The same flat view again and again: focal length and distance are not separable.
+  // A flat view repeated: focal length and distance are not separable.
   const std::vector<geometry::Pose> flat(10, test::board_pose(kBoard, {0, 0, 0}, {0, 0, 0.5}));
   EXPECT_NE(refusal(observe(pinhole(), flat, 0.1, 2)).find("alike"), std::string::npos)
       << refusal(observe(pinhole(), flat, 0.1, 2));
@@ -216,7 +216,7 @@ TEST(Uncertainty, MatchesTheScatterOfRepeatedCalibrations) {
   const auto poses = many_poses(9);
   IntrinsicsOptions options;
   options.lens_terms = 2;
-  // Where a far point lands when each calibration is tied to the same boards.
+  // Scatter of a far point's pixel when each calibration is tied to the same boards.
   constexpr int kColumns = 4, kRows = 3, kRuns = 40;
   std::vector<double> squares(kColumns * kRows, 0.0);
   UncertaintyMap stated;
@@ -245,7 +245,7 @@ TEST(Uncertainty, MatchesTheScatterOfRepeatedCalibrations) {
 }
 
 TEST(Advice, ThatIsFollowedHelpsAsMuchAsItSaid) {
-  // All views in the left half.
+  // All views lie in the left half of the picture.
   std::vector<geometry::Pose> poses;
   for (int i = 0; i < 8; ++i)
     poses.push_back(test::board_pose(kBoard,

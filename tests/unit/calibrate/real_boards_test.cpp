@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recorded boards: our calibration against OpenCV's, on views that neither has seen, in one run.
-// Each pair of rows is judged on the same corners: the poses alone are fitted to the held-out
+// Recorded boards: compares our calibration with OpenCV's on views that neither has used, in one
+// run. Each pair of rows is measured on the same corners: only the poses are fitted to the held-out
 // views.
 #include <algorithm>
 #include <cmath>
@@ -90,7 +90,7 @@ AnyCamera opencv_camera(const BoardSpec& board, Size size, const std::vector<Obs
   return geometry::make_camera(kind, size, v);
 }
 
-/// Both halves in turn held out: the root mean square over all.
+/// Root mean square over both halves, each held out once.
 struct Comparison {
   double ours = 0, same_terms = 0, opencv_default = 0, opencv_ours = 0, opencv_on_its_own = 0;
 };
@@ -141,9 +141,9 @@ Comparison compare(const char* name, const Recorded& all, const BoardSpec& board
   return sum;
 }
 
-/// No worse than OpenCV as it is used, corners and all. On our corners, where the noise is the same
-/// for both: with the same lens the same, and with a lens that is chosen from half of the views
-/// within what that choice may cost.
+/// Our calibration must be no worse than OpenCV as it is normally used, with its own corners. On
+/// our corners the noise is the same for both: with the same lens model the results must agree; a
+/// lens model that is chosen from half of the views may cost as much as that choice explains.
 void judge(const Comparison& c) {
   EXPECT_LE(c.ours, c.opencv_on_its_own);
   EXPECT_LE(c.same_terms, 1.01 * c.opencv_ours);

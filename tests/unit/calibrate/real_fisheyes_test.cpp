@@ -89,13 +89,13 @@ Result<Intrinsics> fit(const FisheyeSet& set, const std::vector<ObservedView>& v
   return solve_intrinsics(set.board, set.size_px, views, options);
 }
 
-/// The lens as it was judged before it knew its circle: in the whole picture.
+/// The lens without its image circle, so that it is checked in the whole picture.
 AnyCamera without_circle(const Intrinsics& found) {
   return geometry::make_camera(LensKind::kFisheye, geometry::size_px(found.camera),
                                found.bundle.intrinsics);
 }
 
-/// One line about a fit, and what a check of the whole picture says about its lens.
+/// Prints one line about a fit, and the result of a check of its lens in the whole picture.
 void tell(const std::string& name, const Result<Intrinsics>& found) {
   if (!found) {
     std::printf("%s: %s\n", name.c_str(), found.error().context.c_str());
@@ -113,7 +113,7 @@ void tell(const std::string& name, const Result<Intrinsics>& found) {
       valid ? "valid" : valid.error().context.c_str());
 }
 
-/// Each half in turn held out; the poses alone are fitted to it.
+/// Held-out error: each half in turn is held out, and only the poses are fitted to it.
 double halves_held_out_px(const FisheyeSet& set) {
   double squares = 0;
   for (const std::size_t from : {std::size_t{0}, std::size_t{1}}) {
@@ -187,8 +187,8 @@ TEST(RealFisheyes, MovingCamera) {
   EXPECT_LT(all->rms_px, theirs);
 }
 
-/// Four of the ten views nearest to the rim: where no lens reached the sides of the picture they
-/// were refused at every number of terms. The others judge what is found now.
+/// Four of the ten views nearest to the rim. Without the image circle they are refused at every
+/// number of terms, since no lens reaches the sides of the picture.
 TEST(RealFisheyes, FewViewsNearTheRim) {
   const auto folder = fisheye_recording("fisheye-moving-camera");
   if (!folder) GTEST_SKIP() << "no recording fisheye-moving-camera: set MIXRIG_DATA";

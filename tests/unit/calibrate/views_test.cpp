@@ -83,7 +83,7 @@ TEST_F(Views, ABoardAtRestIsKeptOnceAndItsMeanIsWritten) {
     return std::sqrt(sum / static_cast<double>(seen.px.size()));
   };
   EXPECT_LT(rms(**mean), 0.65 * rms(**one));
-  // Each pixel takes other ones of eleven values from frame to frame.
+  // Each pixel has a different one of eleven values from frame to frame.
   const auto depth = load_view(*set, set->cameras[1], 1);
   ASSERT_TRUE(depth);
   EXPECT_NEAR(depth->depth_m.at(80, 70), 0.8, 0.006);

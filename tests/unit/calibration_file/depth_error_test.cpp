@@ -46,7 +46,7 @@ TEST(DepthErrorModel, ItsSigmaIsThatOfTheSpline) {
   error.covariance = Eigen::MatrixXd::Zero(9, 9);
   error.covariance(1, 1) = 0.0004;
   EXPECT_NEAR(depth_sigma_m(error, 1), 0.02, 1e-12);
-  // By hand, of a unit value at the middle knot: 1.5 x - 0.5 x^3 on 0..1.
+  // Computed by hand for a unit value at the middle knot: 1.5 x - 0.5 x^3 on 0..1.
   EXPECT_NEAR(depth_sigma_m(error, 0.5), 0.02 * (0.75 - 0.0625), 1e-12);
   // A constant error of all knots is one of each distance.
   error.covariance.topLeftCorner<3, 3>().setConstant(0.0009);

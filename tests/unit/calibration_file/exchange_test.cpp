@@ -159,7 +159,7 @@ TEST(MrcalFile, RoundTripsAndRefusesAFisheye) {
   EXPECT_TRUE(test::refused(parse_mrcal(splined, "m"), {}, ErrorCode::kUnsupported));
 }
 
-/// What a command prints; nullopt where it fails.
+/// Output of a command; nullopt if it fails.
 std::optional<std::string> output_of(const std::string& command) {
   std::FILE* pipe = popen((command + " 2>/dev/null").c_str(), "r");
   if (pipe == nullptr) return std::nullopt;

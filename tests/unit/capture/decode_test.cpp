@@ -31,7 +31,7 @@ device::Frame frame(PixelFormat format, Size size, std::span<const std::uint8_t>
   return f;
 }
 
-/// As a camera that tells nothing of its colours.
+/// Decodes like for a camera that states nothing about its colours.
 Result<void> usual(const device::Frame& frame, Image<Rgb8>& out) {
   return ColorDecoder().decode(frame, out);
 }

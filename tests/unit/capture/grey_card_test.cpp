@@ -15,7 +15,7 @@ namespace {
 using device::Transfer;
 using Kind = LinearVerdict::Kind;
 
-/// From light to sample, by the text of each standard.
+/// Sample value of a light value, by the formula of each standard.
 double sample_of_light(Transfer transfer, double gamma, double light) {
   switch (transfer) {
     case Transfer::kSrgb:

@@ -37,7 +37,7 @@ TEST(LensTrack, IsLinearBetweenSamplesAndEndsWhereTheyDo) {
   EXPECT_FALSE(lens_at(far, at_ms(0)));
 }
 
-/// A source with what the encoders say in each frame; none where there is no entry.
+/// A source with given encoder values for each frame; frames without an entry have none.
 class EncodedSource final : public CaptureSource {
  public:
   explicit EncodedSource(std::map<int, geometry::LensEncoders> encoders)

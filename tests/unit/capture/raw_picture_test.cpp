@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture as its camera wrote it: single pixels are those of the decoder, and it is decoded where
-// somebody looks at it.
+// A picture in its camera's own format: single pixels equal those of the decoder, and the picture
+// is decoded on first use.
 #include "hal/base/raw_picture.h"
 
 #include <random>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Writer writes, Document reads back as the same values.
+// Document must read back the same values that Writer writes.
 #include "host/math/config/writer.h"
 
 #include <array>

@@ -45,7 +45,7 @@ TEST(Osc, NamesAreValidInAnAddress) {
   EXPECT_EQ(osc_name(""), "_");
 }
 
-/// As liblo reads it, which shares no code with the writer.
+/// liblo, which shares no code with the writer, reads the message.
 TEST(Osc, AnIndependentReceiverReadsIt) {
 #ifndef MIXRIG_HAS_LIBLO
   GTEST_SKIP() << "liblo is not installed: scripts/setup peers";

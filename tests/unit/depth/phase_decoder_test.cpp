@@ -96,7 +96,7 @@ TEST(PhaseDecoder, TellsDarkSaturatedAndMixedApart) {
 
 TEST(PhaseDecoder, AFlyingPixelBetweenTwoSurfacesIsMixedWhateverItsPhasesSay) {
   Scene scene;
-  // One pixel wide, its phases those of one surface in the middle.
+  // A strip one pixel wide, whose phases are those of one surface in the middle.
   scene.fill(20, 80, [](int x, int) {
     return std::vector{Surface{x < 50 ? 1.5 : x == 50 ? 2.1 : 2.7, 900}};
   });
@@ -149,7 +149,7 @@ TEST(PhaseDecoder, BouncedLightIsTakenOffByWhatItDoesToTheFrequencies) {
         return std::abs(static_cast<double>(out.distance_m.at(x, 106)) - 2.5);
       };
       EXPECT_GT(off(as_seen), 0.01) << i;
-      // The first tail is too weak to be told from what a camera's harmonics do.
+      // The first tail is too weak to be distinguished from a camera's harmonics.
       EXPECT_LT(off(scene.out), (i == 0 ? 1.02 : 0.75) * off(as_seen)) << i << " " << off(as_seen);
       before += off(as_seen), after += off(scene.out);
       EXPECT_EQ(scene.out.state.at(x, 106), PixelState::kGood) << i;

@@ -16,8 +16,8 @@ constexpr double kRange_m = 7.5;
 
 geometry::CameraModel wide_tof() { return {{{80, 60}, 50, 50, 39.5, 29.5}, {}}; }
 
-/// What the camera sees: a wall 4 m ahead above a floor 1.2 m below; light falls with the square of
-/// the distance.
+/// Pictures of the camera: a wall 4 m ahead above a floor 1.2 m below; light falls with the square
+/// of the distance.
 struct Pictures {
   Image<float> z_m{{80, 60}}, amplitude{{80, 60}};
   Pictures() {

@@ -69,7 +69,7 @@ TEST(BearingOf, WhitensPixelNoiseOfALens) {
   const auto bearing = bearing_of(camera, px, 0.5);
   ASSERT_TRUE(bearing);
   EXPECT_LT((*camera.project(bearing->direction) - px).norm(), 1e-9);
-  // A small turn of the direction moves the pixel as the whitener says.
+  // A small turn of the direction must move the pixel as the whitener states.
   const Vector3d turned = (bearing->direction + Vector3d(1e-6, -2e-6, 5e-7)).normalized();
   const Eigen::Vector2d moved = (*camera.project(turned) - px) / 0.5;
   EXPECT_LT((bearing->whitener * (turned - bearing->direction) - moved).norm(), 1e-6);

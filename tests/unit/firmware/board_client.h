@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A minimal host for tests of the firmware: one request, one reply; telemetry is collected.
+// A minimal host for tests of the firmware: each request waits for one reply, and telemetry is
+// collected.
 #pragma once
 
 #include <optional>

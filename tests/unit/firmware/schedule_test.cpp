@@ -25,7 +25,7 @@ ChannelConfig channel(int index, int divider, int phase, int width, bool low = f
   return config;
 }
 
-/// From the definition: active during [n * period + phase, n * period + phase + width), n >= 0.
+/// Level by the definition: active during [n * period + phase, n * period + phase + width), n >= 0.
 bool level_of(const ChannelConfig& config, long slot) {
   const long period = config.divider * static_cast<long>(kSlotsPerTick);
   const long since = slot - config.phase_slots;

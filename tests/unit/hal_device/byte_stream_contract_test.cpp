@@ -192,7 +192,7 @@ TEST_P(ByteStreamContract, AcceptsLineSettings) {
   talk();
 }
 
-/// For streams that notice a hang-up; a serial wire does not.
+/// The contract of streams that notice a hang-up; a serial wire does not.
 class HangUpContract : public ByteStreamContract {};
 
 TEST_P(HangUpContract, AHangUpIsAnError) {

@@ -14,8 +14,8 @@
 
 namespace mixrig::test {
 
-/// A depth camera under test and a function that produces `count` frames; if the camera runs, they
-/// have been delivered when it returns.
+/// A depth camera under test and a function that produces `count` frames. If the camera runs, the
+/// frames have been delivered when the function returns.
 struct DepthCameraUnderTest {
   std::unique_ptr<device::DepthCamera> camera;
   std::function<void(int count)> expose;

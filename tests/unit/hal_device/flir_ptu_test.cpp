@@ -121,7 +121,7 @@ TEST_F(FlirPtuTest, AStampIsTheTimeAtWhichTheUnitReadItsAxis) {
     Duration byte_time;
     double most_ms;
   };
-  // Of another rate than the line's, and without one, it is late by part of the long answer.
+  // If the given byte time is shorter than the line's, a stamp is late by part of the answer.
   for (const Case& c : {Case{1042us, 0.01}, Case{2084us, 0.01}, Case{521us, 8}, Case{0us, 16}}) {
     fake::FlirPtuEmulator unit;
     ManualClock clock;
@@ -224,8 +224,8 @@ struct ReplyCase {
   const char* text;
 };
 
-// What a line's rate gives: positions of both axes a second, and the error of an angle at its stamp
-// while the head turns. Nothing but the line takes time here; a unit computes too.
+// Measures for each line rate the positions of both axes per second, and the error of an angle at
+// its stamp while the head turns. Only the line takes time here; a real unit also computes.
 TEST(FlirPtuRate, PositionsComeAsOftenAsTheLineAllowsAndTheirStampsStayRight) {
   struct Case {
     int baud;

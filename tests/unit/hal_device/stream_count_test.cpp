@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the camera drivers share: a driver of any library behaves so when its camera is unplugged.
+// Counters that the camera drivers share: every driver reports alike when its camera is unplugged.
 #include "hal/device/stream_count.h"
 
 #include <atomic>

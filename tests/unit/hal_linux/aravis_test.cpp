@@ -146,7 +146,7 @@ INSTANTIATE_TEST_SUITE_P(Aravis, DepthCameraContract,
                          ::testing::Values(DepthCameraMaker{"aravis", make_aravis_depth}),
                          [](const auto& maker) { return maker.param.name; });
 
-/// One whole frame of a depth camera: in metres, and its amplitude.
+/// One whole frame of a depth camera: depth in metres, and amplitude.
 struct Seen {
   device::DepthInfo info;
   Image<float> depth_m{};

@@ -22,8 +22,9 @@ struct FakePlane {
   std::uint32_t data_offset = 0;  ///< of a multi-planar node: where the picture begins
 };
 
-/// Sends one format and size. Buffers lie in a file, which the driver under test maps; ioctl() on
-/// it is answered as Documentation/userspace-api/media/v4l of the kernel says. One at a time.
+/// A node that sends one format and size. Buffers lie in a file, which the driver under test maps;
+/// ioctl() on it is answered as Documentation/userspace-api/media/v4l of the kernel says. Only one
+/// may exist at a time.
 class FakeV4l2 {
  public:
   FakeV4l2();
@@ -36,21 +37,22 @@ class FakeV4l2 {
   bool is(int fd) const;
 
   bool multi_planar = false;
-  std::uint32_t capabilities = 0;  ///< 0: as multi_planar says
+  std::uint32_t capabilities = 0;  ///< 0: those that multi_planar implies
   std::uint32_t code = 0;
   Size size{};
   std::vector<FakePlane> planes;
-  /// Of extension unit 3, selector 1: what was asked last, and what it answers; empty: no such
-  /// unit.
+  /// Last request to extension unit 3, selector 1, and its answer; no such unit exists while the
+  /// answer is empty.
   std::vector<std::uint8_t> extension_request, extension_answer;
   std::uint32_t colorspace = 0, ycbcr = 0, quantization = 0, transfer = 0;
   /// Bytes of each plane of the pictures to send.
   std::deque<std::vector<std::vector<std::uint8_t>>> pictures;
-  std::uint32_t most_buffers = 4;  ///< of those that are asked for, at most kRoom
-  bool exports = false;            ///< VIDIOC_EXPBUF gives descriptors, of the whole file
-  /// Buffers that the driver has, filled or not. Any thread.
+  std::uint32_t most_buffers = 4;  ///< upper limit of the buffers granted; kRoom limits too
+  bool exports = false;            ///< VIDIOC_EXPBUF returns descriptors of the whole file
+  /// Number of buffers that the driver has queued, filled or not. Thread-safe.
   std::size_t queued() const;
-  /// Unplugged after so many pictures (-1: never), until it was looked for so often.
+  /// The node is unplugged after `unplug_after` pictures (-1: never) and stays away for
+  /// `absent_for` attempts to find it.
   int unplug_after = -1, absent_for = 0;
 
  private:

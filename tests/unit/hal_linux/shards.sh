@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# usage: shards.sh PROGRAM COUNT: the tests of a gtest program in COUNT parts beside each other, each
-# in a network namespace of its own: they wait for the network, not for the processor. Fails if a
-# part fails.
+# usage: shards.sh PROGRAM COUNT: runs the tests of a gtest program in COUNT parts in parallel, each
+# in its own network namespace: they wait for the network, not for the processor. Fails if a part
+# fails.
 set -u
 pids=""
 shard=0

@@ -98,7 +98,7 @@ TEST(GenicamBuffer, FloatPointsKeepTheirC) {
   EXPECT_EQ(out.depth, (Bytes{0xA0, 0x0F}));
 }
 
-// As a camera that sends its components in one multi-part buffer, in any order.
+// A camera may send its components in one multi-part buffer, in any order.
 TEST(GenicamBuffer, PartsAreSortedByWhatTheyAre) {
   const Bytes range = {1, 2, 3, 4}, intensity = {5, 6, 7, 8}, sure = {0xFF, 0x80};
   const GenicamPart parts[] = {{pfnc::kMono16, {2, 1}, intensity},

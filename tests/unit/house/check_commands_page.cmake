@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# docs/reference/commands.md is what `mixrig help-pages` writes, and each command has a man page.
+# Checks that docs/reference/commands.md is what `mixrig help-pages` writes, and that each command
+# has a man page.
 file(REMOVE_RECURSE ${FOLDER})
 execute_process(COMMAND ${PROGRAM} help-pages ${FOLDER} COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${CMAKE_COMMAND} -E compare_files ${FOLDER}/commands.md ${PAGE} RESULT_VARIABLE differs)

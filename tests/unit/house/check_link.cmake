@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Ceres stays in its shared library, and no Eigen function of ours is seen by it (cmake/MixrigCeres.cmake):
-# cmake -DNM=nm -DPROGRAM=FILE -P check_link.cmake
+# Checks that Ceres stays in its shared library and uses no Eigen function of ours
+# (cmake/MixrigCeres.cmake). usage: cmake -DNM=nm -DPROGRAM=FILE -P check_link.cmake
 execute_process(COMMAND ${NM} --defined-only ${PROGRAM} OUTPUT_VARIABLE defined ERROR_QUIET)
 execute_process(COMMAND ${NM} --dynamic --defined-only ${PROGRAM} OUTPUT_VARIABLE exported ERROR_QUIET)
 if(defined STREQUAL "")

@@ -1,4 +1,5 @@
-# Every tests/**/*_test.cpp under ROOT stands in a CMakeLists.txt: what is not built tests nothing.
+# Checks that every tests/**/*_test.cpp under ROOT is in a CMakeLists.txt: a file that is not built
+# tests nothing.
 file(GLOB_RECURSE lists "${ROOT}/tests/CMakeLists.txt")
 file(GLOB_RECURSE sources RELATIVE "${ROOT}" "${ROOT}/tests/*_test.cpp")
 set(text "")

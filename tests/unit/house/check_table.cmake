@@ -7,7 +7,7 @@ cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/modules.cmake)
 read_modules(${MODULES})
 
-# Links as the table shows them.
+# The links in the format of the table.
 function(shown_links module out)
   set(names "")
   foreach(link IN LISTS ${module}_links ${module}_private_links)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Fails when what runs live reads a clock that people and NTP set. ROOT: the tree to look at.
+# Fails if code of the live path reads a clock that people or NTP can set. ROOT: the tree to check.
 cmake_minimum_required(VERSION 3.25)
 set(breaches "")
 foreach(module IN ITEMS firmware hal host/capture/capture host/capture/live host/capture/open host/capture/sync host/operator/desk host/output

@@ -18,7 +18,8 @@ macro(read_modules file)
   endforeach()
 endmacro()
 
-# Folders whose headers a module's sources see: of what it links, and of what those link in public.
+# Folders whose headers a module's sources see: those that it links, and those that these link
+# publicly.
 function(reachable_modules module out)
   set(todo ${${module}_links} ${${module}_private_links})
   set(folders "")

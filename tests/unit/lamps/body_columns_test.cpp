@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a person can hide of a lamp.
+// Visibility of a lamp past a person.
 #include "host/room/lamps/body_columns.h"
 
 #include <vector>

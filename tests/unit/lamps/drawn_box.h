@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A box with panels on its ceiling, a mirror, balls and a table, as fisheye pictures and as a
-// panorama, by formula.
+// A box with panels on its ceiling, a mirror, balls and a table, drawn by formula as fisheye
+// pictures and as a panorama.
 #pragma once
 
 #include <algorithm>
@@ -94,7 +94,7 @@ struct DrawnBox {
   }
 
   Eigen::Vector3d scan_m() const { return {2.1, 2.1, 1.45}; }
-  /// As scanned without error; the mirror is as far off as its glass.
+  /// A scan of the box without error; the mirror has the depth of its glass.
   model::Panorama panorama(int height = 240) const {
     model::Panorama p;
     const Size size{2 * height, height};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fisheye pictures by formula: an equidistant lens, radius = f angle, none of it the pipeline's.
+// Fisheye pictures by formula: an equidistant lens, radius = f angle, without the pipeline.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@ struct DrawnFisheye {
   Size size{640, 512};
   double f_px = 157, most_rad = 1.6;
 
-  /// Camera axes; nullopt beyond the image circle.
+  /// Ray of a pixel in camera axes; nullopt beyond the image circle.
   std::optional<Eigen::Vector3d> ray(const Eigen::Vector2d& px) const {
     const Eigen::Vector2d off = px - centre();
     const double angle = off.norm() / f_px;
@@ -28,7 +28,8 @@ struct DrawnFisheye {
   }
   Eigen::Vector2d centre() const { return {0.5 * (size.width - 1), 0.5 * (size.height - 1)}; }
 
-  /// `grey_of(ray)`: 0 to 255 of a ray in camera axes. `samples` a side of a pixel.
+  /// `grey_of(ray)`: 0 to 255, for a ray in camera axes. Each pixel is the mean of `samples` x
+  /// `samples` rays.
   template <typename GreyOf>
   Image<Rgb8> draw(const GreyOf& grey_of, int samples = 1) const {
     Image<Rgb8> picture(size);
@@ -48,7 +49,7 @@ struct DrawnFisheye {
   }
 };
 
-/// A camera whose picture's down is -z of the world, which looks along `ahead`.
+/// Pose of a camera that looks along `ahead`, with the picture's down at -z of the world.
 inline geometry::Pose looking(const Eigen::Vector3d& eye, const Eigen::Vector3d& ahead) {
   Eigen::Matrix3d axes;
   const Eigen::Vector3d z = ahead.normalized();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lamps told apart from the camera's exposure, in a room of a formula.
+// Changes of lamps are separated from changes of the camera's exposure, in a room drawn by formula.
 #include "host/room/lamps/light_change.h"
 
 #include <algorithm>

@@ -34,7 +34,7 @@ struct Light {
   float r = 0, g = 0, b = 0;
 };
 
-/// What the fisheye sees, linear; by formula, without the lens model of the pipeline.
+/// The fisheye's picture in linear light, by formula, without the pipeline's lens model.
 Image<Light> fisheye_of(const std::vector<image_io::Channel>& channels) {
   const auto plane = [&](const char* name) -> const Image<float>& {
     return std::find_if(channels.begin(), channels.end(),

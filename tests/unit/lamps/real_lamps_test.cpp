@@ -62,7 +62,7 @@ const BrightRegion* at(const std::vector<BrightRegion>& all, const Vector2d& px)
   return nullptr;
 }
 
-/// By its border alone: one picture has no path.
+/// Classifies by the region's border alone: one picture has no path of the camera.
 bool looks_like_lamp(const BrightRegion& r) { return r.surround < LampOptions{}.most_surround; }
 
 TEST_F(RealLamps, ListedLampsAreCandidatesAndWhiteThingsFade) {

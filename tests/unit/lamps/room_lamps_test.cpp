@@ -9,7 +9,7 @@
 namespace mixrig::lights {
 namespace {
 
-/// Both white in the plates: a lamp of 12 in the left half, a wall of 1.3 in the right one.
+/// A lamp of 12 in the left half and a wall of 1.3 in the right one; both are white in the plates.
 model::Panorama lamp_and_wall(bool light) {
   model::Panorama p = test::DrawnBox().panorama();
   const Size size = p.color.size();

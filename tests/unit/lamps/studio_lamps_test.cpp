@@ -82,7 +82,7 @@ StudioViews views_along(const StudioPath& path) {
   return all;
 }
 
-/// Each found lamp is one of the studio's to within the bounds; returns how many.
+/// Expects that each found lamp is one of the studio's within the bounds; returns how many are.
 int expect_true(const LampSearch& search, const StudioViews& all) {
   for (const FoundLamp& f : search.lamps) {
     double nearest_m = 1e9;

@@ -123,7 +123,7 @@ TEST_F(Bracket, GoesDownUntilNothingSaturatesAndIsPutBack) {
   EXPECT_EQ(frame.plate.at(60, 30), rig_.plate().at(60, 30)) << "also by the picture";
 }
 
-/// As a loaded machine gets them.
+/// Pictures arrive rarely, as on a loaded machine.
 TEST_F(Bracket, PicturesThatComeSeldomAreWaitedFor) {
   rig_.period = 1200ms;
   const auto taken = take();

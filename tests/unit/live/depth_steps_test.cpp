@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a camera and rig.toml tell of samples and steps, from the frames of a rig into a take and
-// out of it.
+// The meaning of samples and steps, stated by a camera and rig.toml, is kept from the frames of a
+// rig into a take and out of it.
 #include <array>
 #include <memory>
 

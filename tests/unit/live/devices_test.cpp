@@ -9,7 +9,7 @@
 namespace mixrig::live {
 namespace {
 
-/// Says what it was asked for.
+/// Reports what it was asked to open.
 class AskedDriver final : public DeviceDriver {
  public:
   Result<std::unique_ptr<device::Camera>> camera(const std::string& address,

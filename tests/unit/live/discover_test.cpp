@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is written into rig.toml of emulated lists of devices.
+// The rig.toml that is written for emulated lists of devices.
 #include "host/capture/live/rig/discover.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ FoundCamera found(const std::string& uri, PixelFormat format, Size size = {640, 
   return camera;
 }
 
-/// The same rig after it was written and read.
+/// Writes a rig as rig.toml and reads it back.
 RigConfig written(const RigConfig& rig) {
   const auto read = parse_rig(rig_text(rig), "found.toml");
   EXPECT_TRUE(read) << to_line(read.error()) << rig_text(rig);

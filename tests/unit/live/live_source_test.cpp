@@ -157,7 +157,7 @@ class LiveSourceLoss : public LiveSourceTest {
     ASSERT_TRUE(source) << to_line(source.error());
     source_ = *std::move(source);
   }
-  /// What read() says while time passes.
+  /// Result of read() while time passes.
   Result<bool> read_while_they_deliver() {
     std::atomic<bool> done = false;
     std::thread time([&] {
@@ -226,7 +226,7 @@ class LiveSourceGoesOn : public LiveSourceLoss {
  protected:
   void SetUp() override { open_cameras(WhenLost::kGoOn); }
   capture::StreamStatus depth_status() const { return frame_.status_of(capture::Stream::kDepth); }
-  /// Reads until a capture is as `condition` says; false where the source ends or fails before.
+  /// Reads until `condition` holds for a capture; false where the source ends or fails before.
   template <typename Condition>
   bool read_until(Condition condition) {
     for (int i = 0; i < 500; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shifts of drawn pictures, with noise, without texture, with somebody who moves.
+// Shifts between drawn pictures: with noise, without texture, and with a moving person.
 #include "host/capture/live/sweep/picture_shift.h"
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One fault at a time in a running session: it is named and counted, nothing is paired wrongly, and
-// two seconds after its end the rig delivers as before. The test controls the time.
+// One fault at a time in a running session: it is reported and counted, nothing is paired wrongly,
+// and two seconds after its end the rig delivers as before. The test controls the time.
 #include <cmath>
 
 #include "tests/unit/live/session_rig.h"

@@ -57,7 +57,7 @@ class Session : public ::testing::Test {
     devices_.trigger = std::move(trigger);
     session_.emplace(config_, devices_, clock_);
   }
-  /// Before start(): a head that stands still at (0.25, -0.125) rad.
+  /// Adds a head that stands still at (0.25, -0.125) rad. Call it before start().
   void add_head() {
     auto head = std::make_unique<fake::FakePanTilt>(clock_);
     head_ = head.get();
@@ -65,7 +65,7 @@ class Session : public ::testing::Test {
     clock_.advance(1s);
     devices_.pan_tilt = std::move(head);
   }
-  /// Before start(): this host sees the pulses of line 0.
+  /// Makes this host see the pulses of line 0. Call it before start().
   void add_edges() {
     auto edges = std::make_unique<fake::FakeTriggerInput>(clock_);
     edges_ = edges.get();
@@ -113,7 +113,7 @@ class Session : public ::testing::Test {
       done_ = true;
     }
   }
-  /// Sets out of `ticks` ticks; a tick's sets are in the queue when tick() returns.
+  /// Runs `ticks` ticks and returns their sets; a tick's sets are in the queue when tick() returns.
   std::vector<LiveSet> run(int ticks) {
     std::vector<LiveSet> sets;
     for (int i = 0; i < ticks; ++i) {
@@ -134,7 +134,7 @@ class Session : public ::testing::Test {
   Duration edge_late_{};
   std::uint64_t ticked_ = 0;
   bool heard_ = true;               ///< the session receives the ticks
-  bool awaited_ = true;             ///< and the test waits for it
+  bool awaited_ = true;             ///< the test waits for the session to receive them
   std::atomic<bool> done_ = false;  ///< the test is over: waits end at once
   std::optional<LiveSession> session_;
 };

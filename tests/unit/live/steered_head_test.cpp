@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A head that is moved by commands, and pictures that are rendered as it stands.
+// A head that commands move, and pictures rendered at its angles.
 #include "host/capture/live/play/steered_head.h"
 
 #include <cmath>

@@ -20,7 +20,7 @@ using device::PanTiltAngles;
 constexpr double kSweepStep_rad = 0.001;
 constexpr Size kPlate{96, 64};
 
-/// A unit with cameras of 25 Hz on a stand. Each call of next() is one frame later.
+/// A pan-tilt unit with cameras of 25 Hz. Each call of next() is one frame later.
 class FakeSweepRig final : public SweepRig {
  public:
   explicit FakeSweepRig(ManualClock& clock) : clock_(clock) {}
@@ -162,7 +162,8 @@ TEST_F(Sweep, TakesTheFramesThatWereExposedAfterTheUnitStood) {
   EXPECT_EQ(report->restarts, 0);
   EXPECT_EQ(done, (std::vector<std::size_t>{1, 2, 3}));
   EXPECT_EQ(last_left, Duration{});
-  // The unit stands from 0.4 s on; the first frame that begins after a frame that says so.
+  // The unit is at rest from 0.4 s on. The first saved frame begins after a frame that reported
+  // this.
   EXPECT_GE(saved_[0].times[0] - 20ms, begin + 400ms);
   EXPECT_LT(saved_[0].times[0], begin + 500ms);
   EXPECT_EQ(saved_[0].times[2] - saved_[0].times[0], 80ms);

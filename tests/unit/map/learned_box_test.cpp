@@ -108,7 +108,7 @@ TEST(LearnedBox, CameraIsFoundAndFollowedAndFoundAgainAfterBlackPictures) {
   const Image<Rgb8> black(test::TexturedBox::kPicture);
   for (int i = 0; i < 8; ++i) {
     const bool covered = i == 3 || i == 4;
-    // Between and beside the places of the learned pictures.
+    // Poses between and beside those of the learned pictures.
     const geometry::Pose truth =
         test::in_the_box({-0.2 + 0.04 * i, 0.05, 0.12}, {0.04, 0.01 * i, -0.05});
     const auto pose = covered ? t.tracker.track(black.view(), 0.1 * i)

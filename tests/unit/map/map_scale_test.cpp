@@ -63,7 +63,7 @@ TEST(MapScale, WhoStandsBeforeAWallThatNoPictureShowsIsNotTheWall) {
 }
 
 TEST(MapScale, IsThatOfMostPlacesWhereTheOthersAreAllTooNear) {
-  // At a third of the places something stands 0.1 to 0.5 m before the wall.
+  // At a third of the points an object is 0.1 to 0.5 m before the wall.
   reconstruction::DepthView view{0.2, Image<float>({160, 120}, static_cast<float>(kWall_m + 0.3))};
   for (int y = 0; y < 120; ++y)
     for (int x = 46; x < 67; ++x)

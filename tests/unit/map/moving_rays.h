@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random places and a camera that moves past them, as tracks of pixels: by formula, without
+// Random points and a camera that moves past them, as tracks of pixels by formula, without
 // pictures.
 #pragma once
 
@@ -19,11 +19,11 @@ inline geometry::AnyCamera wide_camera() {
 
 struct MovingRays {
   int pictures = 12, places = 250;
-  double step_m = 0.05;    ///< sideways, of each picture
-  double step_rad = 0.02;  ///< about the vertical
+  double step_m = 0.05;    ///< sideways movement per picture
+  double step_rad = 0.02;  ///< turn about the vertical per picture
   double noise_px = 0.2;
-  double wrong_share = 0;  ///< tracks that are of nothing: random pixels in each picture
-  bool flat = false;       ///< all places on a wall
+  double wrong_share = 0;  ///< share of tracks without a point: random pixels in each picture
+  bool flat = false;       ///< all points lie on a wall
   unsigned seed = 1;
 
   geometry::Pose world_from_camera(int picture) const {

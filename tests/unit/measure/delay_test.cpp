@@ -60,13 +60,14 @@ TEST(DelayOfMotion, ItsUncertaintyIsThatOfManyTrials) {
     sum_2 += (found->delay_s - kDelay_s) * (found->delay_s - kDelay_s);
     predicted_2 += found->uncertainty_s * found->uncertainty_s;
   }
-  // Of 200 squared normal errors the mean has a standard deviation of 10 %.
+  // The mean of 200 squared normal errors has a standard deviation of 10 %.
   EXPECT_NEAR(sum_2 / predicted_2, 1, 0.4);
   EXPECT_LT(std::sqrt(sum_2 / kTrials), 3e-3) << "less than a tenth of a frame period";
 }
 
 TEST(DelayOfMotion, DoesNotBelieveTheSystemsOwnTimes) {
-  // A system that shows each frame one later than it says: its stamps cannot tell, the motion does.
+  // A system that shows each frame one frame later than it states: stamps cannot reveal that, the
+  // motion does.
   Made m = made(6, 0.05, 0, 0, 1);
   for (std::size_t i = m.seen.size() - 1; i > 0; --i) m.seen[i].value = m.seen[i - 1].value;
   const auto found = delay_of_motion(m.truth, m.seen, 0.5);

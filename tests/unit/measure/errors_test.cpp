@@ -44,7 +44,7 @@ TEST(Errors, OfAPerfectFrameAreZeroOrUndefined) {
   EXPECT_EQ(e.matte_mse, 0.0);
   EXPECT_EQ(e.light_rmse, 0.0);
   EXPECT_EQ(e.color_psnr_db, kEqualPsnr_db);
-  // No step, no person, nothing virtual, no shadow: nothing to judge, rather than 0/0.
+  // No step, no person, nothing virtual and no shadow: the measures are null instead of 0/0.
   EXPECT_EQ(e.band_bad_pct, std::nullopt);
   EXPECT_EQ(e.key_iou, std::nullopt);
   EXPECT_EQ(e.order_wrong_pct, std::nullopt);

@@ -52,7 +52,7 @@ struct LookScene {
   }
 };
 
-/// Of three frames with different noise.
+/// Measures of three frames with different noise.
 Errors::Look look_of_noise(double real, double of_virtual) {
   LookSums sums;
   for (unsigned frame = 1; frame <= 3; ++frame)

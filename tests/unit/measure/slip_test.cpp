@@ -27,8 +27,8 @@ TEST(PixelOf, TurnsWithTheCamera) {
   ASSERT_TRUE(px);
   EXPECT_NEAR((*px)[0], 640 + 1000 * 0.1, 1e-9);
   EXPECT_NEAR((*px)[1], 512 + 900 * 0.25, 1e-9);
-  // Turned on by 36.87 degrees to the left about the world's z (3-4-5 triangle): it looks along
-  // (-0.6, 0.8, 0), its right is (0.8, 0.6, 0).
+  // The camera turned by another 36.87 degrees to the left about the world's z (3-4-5 triangle): it
+  // looks along (-0.6, 0.8, 0), its right is (0.8, 0.6, 0).
   const double half = 0.5 * std::asin(0.6), c = std::cos(half), s = std::sin(half);
   const CameraPlace left{{-h * c, -h * s, h * s, h * c}, {0, 0, 1.5}};
   const auto turned = pixel_of({-0.6 * 5 + 0.8, 0.8 * 5 + 0.6, 1.0}, left, kView);

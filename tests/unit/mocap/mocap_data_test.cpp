@@ -53,8 +53,8 @@ TEST(MocapRecording, MarkersGiveThePosesThatTheSystemGives) {
   }
 }
 
-/// The same markers as a server sends them: what comes out is what the file gives, without the
-/// frames that the net has lost.
+/// A server sends the markers of the file: the result must be that of the file, without the frames
+/// that the network has lost.
 TEST(MocapRecording, ComesOverTheNetAsFromTheFile) {
   const char* root = std::getenv("MIXRIG_DATA");
   if (root == nullptr || !fs::exists(fs::path(root) / "mocap-natnet"))

@@ -45,7 +45,7 @@ TEST(ConstellationFile, NamesTheBrokenLine) {
   EXPECT_NE(error_of(std::string(kHat) + "[[marker]]\nplace = [1, 2, 3]\n").find("place"),
             std::string::npos);
   EXPECT_NE(error_of("[[marker").find("hat.toml:1"), std::string::npos);
-  // A square looks the same when turned.
+  // A square is ambiguous: it has rotational symmetry.
   std::string square;
   for (const char* p : {"0, 0", "1, 0", "1, 1", "0, 1"})
     square += "[[marker]]\nposition_m = [" + std::string(p) + ", 0]\n";
@@ -140,7 +140,7 @@ TEST(TrackBodies, ConvertsToZUpAndChoosesTheBody) {
   ASSERT_TRUE(track) << track.error().context;
   ASSERT_EQ(track->poses.size(), 1u);
   EXPECT_EQ(track->frames, 2);
-  // What pointed up (y) points up (z); the height 2 stays the height.
+  // The direction that was up (y) is up (z) afterwards; the height stays 2.
   EXPECT_LT((track->poses[0].world_from_camera.translation_m - Vector3d(1, -3, 2)).norm(), 1e-12);
   EXPECT_LT(
       (track->poses[0].world_from_camera.rotation * Vector3d::UnitY() - Vector3d::UnitZ()).norm(),

@@ -10,7 +10,7 @@
 
 namespace mixrig::stream {
 
-/// Little-endian bytes of what is put.
+/// Appends values as little-endian bytes.
 class PacketWriter {
  public:
   template <typename T>
@@ -24,7 +24,7 @@ class PacketWriter {
     return put('\0');
   }
   const std::vector<std::byte>& bytes() const { return bytes_; }
-  /// The same behind a header.
+  /// The bytes behind a packet's header.
   std::vector<std::byte> packet(std::uint16_t kind) const {
     PacketWriter whole;
     whole.put(kind).put(static_cast<std::uint16_t>(bytes_.size()));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A motion-capture server on the loopback, written apart from the receiver: it waits for the
-// client's connect packet and sends what a test gives it, in a thread of its own.
+// A motion-capture server on the loopback, independent of the receiver: it waits for the client's
+// connect packet and sends a test's datagrams, in its own thread.
 #pragma once
 
 #include <atomic>
@@ -23,7 +23,7 @@ class NatNetServer {
  public:
   using Datagram = std::vector<std::byte>;
 
-  /// Sends `datagrams` once, to the first client that connects, or to `group` (port of its own).
+  /// Sends `datagrams` once, to the first client that connects, or to `group` (on its own port).
   explicit NatNetServer(std::vector<Datagram> datagrams, bool to_group = false)
       : datagrams_(std::move(datagrams)) {
     EXPECT_EQ(::bind(fd_, as_address(loopback(0)), sizeof(sockaddr_in)), 0);
@@ -48,7 +48,7 @@ class NatNetServer {
   NatNetServer& operator=(const NatNetServer&) = delete;
 
   static constexpr const char* kGroup = "239.255.42.99";
-  int port() const { return port_; }  ///< of commands, and of the group's data
+  int port() const { return port_; }  ///< port of commands, and of the group's data
 
  private:
   static sockaddr_in loopback(int port) {

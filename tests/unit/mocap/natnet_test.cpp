@@ -39,7 +39,7 @@ TEST(NatNet, ReadsAFrameOfBothLayouts) {
 TEST(NatNet, RefusesEveryCutAndNeverReadsPastIt) {
   for (const NatNetVersion version : {kOld, kNew}) {
     const auto whole = frame_with_body(1, 0, 1, version.at_least(4, 1)).bytes();
-    // What follows the time stamp is not needed.
+    // The bytes after the time stamp are not needed.
     for (std::size_t size = 0; size + 40 < whole.size(); ++size) {
       const std::vector<std::byte> cut(whole.begin(), whole.begin() + size);
       const auto frame = parse_frame(cut, version);

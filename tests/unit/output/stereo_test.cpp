@@ -63,7 +63,7 @@ TEST(StereoPair, IsWhatBothEyesSeeAlsoBehindTheEdge) {
   // Each eye has two edges, which lie on whole pixels by chance alone.
   EXPECT_LE(wrong, 8);
   EXPECT_GT(counts.behind, 0U);
-  // Only the sides of the picture, which no camera saw: the disparity there is 1.1 px.
+  // Guessed are only the sides of the picture, which no camera saw: the disparity there is 1.1 px.
   EXPECT_LT(counts.guessed, 2U * 4U * 3U);
   EXPECT_EQ(counts.seen + counts.behind + counts.guessed, 2U * 640U);
 }

@@ -68,7 +68,7 @@ class StreamSinkTest : public ::testing::Test {
     EXPECT_TRUE(sink) << sink.error().context;
     return sink ? *std::move(sink) : nullptr;
   }
-  /// All frames of a file by ffmpeg, as raw bytes.
+  /// Decodes all frames of a file with ffmpeg, as raw bytes.
   std::string decoded(const std::string& file, const char* format) {
     const std::string raw = folder_ / "raw";
     test::ChildProcess ffmpeg(
@@ -121,7 +121,8 @@ class StreamSinkTest : public ::testing::Test {
   std::atomic<bool> gone_ = false;
 };
 
-/// By ffprobe; the third picture was lost. The first is exposed 1.04 s after host time 0.
+/// Reads the time codes with ffprobe; the third picture was lost. The first is exposed 1.04 s after
+/// host time 0.
 TEST_F(StreamSinkTest, TimecodeIsThatOfMidExposure) {
   if (!has_program("ffprobe")) GTEST_SKIP() << "ffprobe is not installed";
   const auto probed = [&](const std::string& file, const char* entries) {

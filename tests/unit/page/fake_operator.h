@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run that notes what it is asked for.
+// A fake run that records what is requested.
 #pragma once
 
 #include <condition_variable>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OSC of control surfaces: what each address does, what is told back, who is answered.
+// OSC of control surfaces: the effect of each address, the feedback, and who receives answers.
 #include "host/output/datagrams/osc.h"
 
 #include <atomic>
@@ -108,7 +108,7 @@ class Surface {
         stream::parse_osc({bytes.data(), static_cast<std::size_t>(std::max<ssize_t>(n, 0))});
     return read && !read->empty() ? (*read)[0] : OscReceived{};
   }
-  /// Skips what is told of other addresses.
+  /// Returns the next message to `address`; skips those to other addresses.
   OscReceived next_of(const std::string& address) const {
     for (;;) {
       OscReceived message = next();

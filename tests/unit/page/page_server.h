@@ -36,7 +36,7 @@ class PageServer : public ::testing::Test {
     client.send(request);
     return client.response();
   }
-  /// A frame of the run: the sink is asked and fed as SinkThread does.
+  /// Gives the sink one frame of a run; the sink is asked and fed as SinkThread does.
   void frame(int number, Size size = {32, 24}) {
     if (sink_->wanted(number) == 0) return;
     auto composite = std::make_shared<output::Composite>();
@@ -46,7 +46,7 @@ class PageServer : public ::testing::Test {
     composite->capture = capture;
     composite->images.wanted = render::kComposite;
     composite->images.color.reset(size);
-    for (int y = 0; y < size.height; ++y)  // does not compress
+    for (int y = 0; y < size.height; ++y)  // noise, which does not compress
       for (int x = 0; x < size.width; ++x) {
         noise_ = noise_ * 1664525U + 1013904223U;
         composite->images.color.at(x, y) = {static_cast<std::uint8_t>(noise_ >> 24),

@@ -84,7 +84,7 @@ TEST(PagePictures, EachViewIsMadeOfItsImage) {
   EXPECT_NE(pictures->newest(View::kPlate), nullptr);
   EXPECT_NE(pictures->newest(View::kDepth), nullptr);
   EXPECT_NE(pictures->newest(View::kMatte), nullptr);
-  // This frame was composited before somebody looked: it has no key states.
+  // This frame was composited before anybody requested the key: it has no key states.
   EXPECT_EQ(pictures->newest(View::kKey), nullptr);
 }
 

@@ -17,7 +17,8 @@ namespace mixrig::page {
 
 class RawClient {
  public:
-  /// With a small receive buffer it takes little while it does not read.
+  /// `receive_bytes`: size of the receive buffer; a small one fills up while the client does not
+  /// read. 0: the default.
   explicit RawClient(std::uint16_t port, int receive_bytes = 0) {
     socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     if (receive_bytes > 0)
@@ -47,7 +48,8 @@ class RawClient {
     }
     return connected_;
   }
-  /// All up to and with `end`; what was read beyond it is kept. Empty when the other side closed.
+  /// Reads up to and including `end`; bytes beyond it are kept for later. Empty when the other side
+  /// closed.
   std::string read_to(const std::string& end) {
     while (read_.find(end) == std::string::npos)
       if (!more()) return {};
@@ -83,7 +85,7 @@ class RawClient {
     return response;
   }
 
-  /// A masked text message of less than 65536 bytes (RFC 6455).
+  /// Sends a masked text message of less than 65536 bytes (RFC 6455).
   bool send_message(const std::string& text) {
     std::string frame = "\x81";
     if (text.size() < 126) {
@@ -98,7 +100,7 @@ class RawClient {
     for (std::size_t i = 0; i < text.size(); ++i) frame += static_cast<char>(text[i] ^ mask[i % 4]);
     return send(frame);
   }
-  /// The next text message; empty when the socket was closed.
+  /// Reads the next text message; empty when the socket was closed.
   std::string message() {
     for (;;) {
       const std::string head = read_bytes(2);

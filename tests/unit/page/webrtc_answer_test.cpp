@@ -7,7 +7,7 @@
 namespace mixrig::page {
 namespace {
 
-/// Of Chromium 156 to the rig's offer, shortened by nothing.
+/// Complete answer of Chromium 156 to the rig's offer.
 constexpr const char* kChromium =
     "v=0\r\no=- 877749325845258572 2 IN IP4 127.0.0.1\r\ns=-\r\nt=0 0\r\na=group:BUNDLE video0\r\n"
     "a=msid-semantic: WMS\r\nm=video 9 UDP/TLS/RTP/SAVPF 96\r\nc=IN IP4 0.0.0.0\r\n"

@@ -73,7 +73,7 @@ TEST(PeopleTracker, a_body_that_is_half_hidden_stays_where_it_is) {
   EXPECT_LT((behind->on_floor_m - Eigen::Vector2d(4, 0.5)).norm(), 0.06);
 }
 
-/// One passes behind the other, in 1.3 s of which about half a second is hidden.
+/// One person passes behind the other within 1.3 s and is hidden for about half a second.
 TEST(PeopleTracker, who_crosses_keeps_the_identity) {
   Floor floor;
   std::set<int> ids;

@@ -95,8 +95,8 @@ double share_by_sight_lines(const Footprint& box, double x_m, double y_m, double
   return seen_m2 / all_m2;
 }
 
-/// Whether the box may stand there: every point of its outline 0.1 m from the screen and inside
-/// the floor, and 0.35 m from the path where there is one.
+/// Whether the box may be placed there: every point of its outline is at least 0.1 m from the
+/// screen and inside the floor, and at least 0.35 m from the path if there is one.
 bool may_stand(const Footprint& box, double x_m, double y_m, double yaw_rad, bool with_path) {
   for (double u = -0.5; u <= 0.5; u += 0.1)
     for (double v = -0.5; v <= 0.5; v += 0.1) {

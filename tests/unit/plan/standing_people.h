@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// People by formula: upright elliptic cylinders with a narrower head, in the depth picture of a
-// camera.
+// People by formula, in the depth picture of a camera: upright elliptic cylinders with a narrower
+// head.
 #pragma once
 
 #include <cmath>
@@ -22,7 +22,7 @@ inline geometry::Pose people_camera() {
   return geometry::look_at({0, 0, 1.5}, {4, 0, 1.0}, Eigen::Vector3d::UnitZ());
 }
 
-/// z of the nearest body, 0 elsewhere. What `hidden_by_m` is nearer than hides.
+/// z in metres of the nearest body at each pixel, 0 elsewhere.
 inline Image<float> draw_people(const std::vector<StandingBody>& people,
                                 const geometry::Pinhole& view = people_view(),
                                 const geometry::Pose& pose = people_camera()) {

@@ -13,7 +13,7 @@ namespace {
 using capture::CameraPose;
 using capture::PoseLoss;
 
-/// Says what the test has set.
+/// Returns the poses that the test has set.
 class ScriptedPoses final : public capture::PoseSource {
  public:
   ScriptedPoses() : PoseSource({"scripted", "scripted"}) {}

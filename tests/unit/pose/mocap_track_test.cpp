@@ -243,7 +243,7 @@ TEST(MocapPoses, AreReceivedOverTheLoopback) {
   std::vector<std::vector<std::byte>> packets;
   for (int i = 0; i < 300; ++i)
     if (i % 50 != 20)  // 2 % lost
-      // As far apart as the server sends them.
+      // Packets at the interval at which the server sends them.
       packets.push_back(stream::frame_with_body(i, 0.5F, 2e-4 * i, false).packet(7));
   packets[40].resize(30);
   stream::NatNetServer server(packets);

@@ -68,8 +68,8 @@ PanTilt true_unit(Draw& draw) {
   return unit_of(chain);
 }
 
-/// Of the pose of a board of 9 x 6 corners every 70 mm, each found within 0.05 px by a camera of
-/// 525 px focal length.
+/// Covariance of the pose of a board of 9 x 6 corners every 70 mm, each found within 0.05 px by a
+/// camera of 525 px focal length.
 PoseCovariance board_covariance(const Isometry3d& camera_from_board) {
   PoseCovariance information = PoseCovariance::Zero();
   for (int row = 0; row < 6; ++row)

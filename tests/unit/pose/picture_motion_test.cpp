@@ -30,7 +30,7 @@ calibration_file::PanTilt unit() {
 /// 0.5 rad/s, and back.
 double pan_rad(double t_s) { return 0.5 * (t_s < kTurns_s ? t_s : 2 * kTurns_s - t_s); }
 
-/// What carries the head moves by `speed_m_s`.
+/// Pose of the camera when the carrier of the head moves at `speed_m_s`.
 Pose room_from_target(double t_s, double speed_m_s) {
   const Eigen::Isometry3d chain = test::base_from_target(unit(), pan_rad(t_s), 0.1 * t_s);
   return {Eigen::Quaterniond(chain.rotation()),

@@ -93,7 +93,7 @@ TEST(SmoothPoses, ASteadyMotionIsSmoothed) {
 
 TEST(SmoothPoses, AStepOfTheVelocityHasNoLag) {
   constexpr double kJolt_s = 2;
-  // From rest to 0.5 m/s and 29 deg/s at once.
+  // The motion jumps from rest to 0.5 m/s and 29 deg/s at once.
   const auto way = [](double t) { return t < kJolt_s ? 0 : 0.5 * (t - kJolt_s); };
   const Motion motion(way);
   const auto [raw, smooth] = motion.spread(kReach, 41 - kReach);

@@ -19,7 +19,7 @@ inline geometry::Pose swing(double t_s) {
           {1 + 0.4 * std::sin(std::numbers::pi * t_s), 2 + 0.1 * t_s, 1.5}};
 }
 
-/// Samples of it on a clock that reads `clock_s` when the take's reads 0.
+/// Samples of swing() on a clock that reads `clock_s` when the take's clock reads 0.
 inline std::vector<trajectory::TimedPose> swing_samples(double from_s, double to_s, double rate_hz,
                                                         double clock_s = 0) {
   std::vector<trajectory::TimedPose> samples;

@@ -69,7 +69,7 @@ class TrackerPosesTest : public ::testing::Test {
 
 TEST_F(TrackerPosesTest, ArePlacedAtThePlatesOwnTime) {
   for (int i = 0; i < 3; ++i) pose_at(i * kPictureStep_s, i * kPictureStep_s);
-  // Before the newest picture, at it, and after it.
+  // Times before the newest picture, at it, and after it.
   double sigma_m = 0;
   for (const double plate_s : {0.26, 0.3, 0.37}) {
     const CameraPose pose = pose_at(plate_s, 0.3);
@@ -134,7 +134,7 @@ TEST_F(TrackerPosesTest, AFisheyeThatGivesNoPictureIsLostAndSaid) {
 
 TEST_F(TrackerPosesTest, OnePictureIsTrackedOnce) {
   ASSERT_TRUE(pose_at(0, 0).ok());
-  // The same stamp with a covered picture: it is not looked at again.
+  // A covered picture with a stamp that was already processed is ignored.
   EXPECT_TRUE(pose_at(0.04, 0, Image<Rgb8>(TexturedBox::kPicture)).ok());
 }
 

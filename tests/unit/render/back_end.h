@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The back end that a program of tests is of: render_test links the cpu's, gl_test that of gles.
+// The passes of the back end under test: render_test links those of cpu, gl_test those of gles.
 #pragma once
 
 #include <memory>
@@ -12,17 +12,17 @@ namespace mixrig::test {
 std::unique_ptr<render::Compositor> make_compositor(const render::CompositorSetup& setup,
                                                     int threads);
 
-/// What pass correct makes of a depth picture.
+/// Result of the pass `correct` for one depth picture.
 struct CorrectedDepth {
   Image<float> z_m;
   Image<int> links;  ///< 1 right, 2 down, 4 down and right, 8 down and left
 };
 CorrectedDepth correct_depth(const render::Tables& tables, const Image<float>& depth_m);
 
-/// Inverse depth in the view.
+/// Result of the warp: inverse depth in the view, in 1/m.
 struct WarpedDepth {
   Image<float> w;
-  Image<bool> cut;  ///< drawn by a cell of two surfaces
+  Image<bool> cut;  ///< pixel was drawn by a cell between two surfaces
 };
 WarpedDepth warp_depth(const render::Tables& tables, const Image<float>& depth_m, int threads);
 

@@ -170,7 +170,7 @@ TEST(Background, WhatTheModelNeverSawIsUnknown) {
   EXPECT_TRUE(std::isinf(drawn.tables.key_limit_w.at(300, 128)));
 }
 
-/// What a nearer surface hid from the model has no depth and no colour of that surface.
+/// Surfaces that a nearer one hid from the model have no depth, and not the nearer one's colour.
 TEST(Background, NoSurfaceSpansADepthStep) {
   AnalyticScene room;
   room.box = false;
@@ -302,7 +302,7 @@ TEST(Background, NormalsOfAllFacesAreInAxesOfTheCamera) {
   const FaceModel faces(m.scene);
   m.setup.background_models = {faces.model()};
   const DrawnBackground drawn(m, {});
-  // Of the back wall, left and right of the middle.
+  // The normals of the back wall, left and right of the middle.
   for (const int x : {110, 210}) {
     const auto n = drawn.tables.background_normal.at(x, 110);
     EXPECT_NEAR(n.x, 0, 5) << x;
@@ -423,13 +423,13 @@ TEST(Background, DrawingAllocatesNothing) {
   EXPECT_EQ(allocations, before);
 }
 
-/// A post of no more than its foot and its way up, on the floor of the scene, and a lamp.
+/// A lamp, and a post on the scene's floor: a triangle with an edge on the floor and one upwards.
 struct LitPost {
   explicit LitPost(Modelled& m) {
     render::VirtualObject post;
     post.meshes.push_back({positions, normals, {}, triangle, glm::vec3(1), {}, true});
     post.world_from_object.translation_m = {0.4, m.scene.floor_y_m, 3};
-    // Its z is the way up, and y of the world points down.
+    // The post's z axis is up; the world's y points down.
     post.world_from_object.rotation = Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitX());
     m.setup.objects = {post};
     m.setup.light.lamps = {{{0, -1.3, 3}, std::nullopt, {0.2, 0.2}, {1, 1, 1}}};
@@ -456,14 +456,14 @@ TEST(Background, LightFallsOnAFloorThatGoesThroughTheFeetOfObjects) {
     EXPECT_NEAR(drawn.background.light_depth_m().row(y)[x] / truth, 1, 0.006) << x << ", " << y;
     EXPECT_NEAR(drawn.background.view().depth_m.row(y)[x] / truth, 1.03, 0.01) << "as learned";
   }
-  // What does not lie on a plane that was found, or is unknown, is as it was drawn.
+  // Pixels that lie on no plane that was found, or are unknown, stay as they were drawn.
   const auto pole_x = static_cast<int>(159.5 + kView_f_px * (m.scene.pole_x_m - at.x()) /
                                                    (m.scene.pole_z_m - at.z()));
   EXPECT_EQ(drawn.background.light_depth_m().row(128)[pole_x],
             drawn.background.view().depth_m.row(128)[pole_x]);
 }
 
-/// What a mirror shows has wrapped around and hangs before its wall.
+/// Depth seen in a mirror has wrapped around and hangs before the mirror's wall.
 TEST(Background, AMirrorIsTheWallAroundItForMixAndLightAndNotForTheKey) {
   Modelled m;
   m.scene.pole = false;

@@ -89,7 +89,7 @@ TEST(Compositor, an_object_has_a_pixel_that_it_covers_by_more_than_half) {
     for (glm::vec3& p : stage.positions) p.x += px * 2 / 64;
     return stage.compose();
   };
-  // Its borders run through the middles of the pixels in columns 16 and 48...
+  // The borders of the object run through the middles of the pixels in columns 16 and 48.
   const auto half = moved_by_px(0.5F);
   for (const int x : {16, 48}) {
     EXPECT_NE(half.color.at(x, 32), kWallColor) << "its colour is there all the same";
@@ -162,7 +162,7 @@ TEST(Compositor, colours_place_borders_where_the_plate_is_finer_than_the_depth) 
 }
 
 TEST(Compositor, colours_of_opposite_channels_place_borders_too) {
-  // Where they meet light is mixed: its roots lie off the line between those of the colours.
+  // Where they meet, light is mixed: its roots lie off the line between the colours' roots.
   const Rgb8 red{220, 40, 40}, cyan{40, 220, 220};
   BorderRig rig(64, 16);
   EXPECT_EQ(rig.border(8, 34, red, cyan), 34);
@@ -217,7 +217,7 @@ TEST(Compositor, shadow_lies_on_the_wall_opposite_to_the_lamp) {
 }
 
 TEST(Compositor, person_takes_the_light_of_where_it_stands) {
-  // As above, with a person who stands before the shadow volume: the shadow behind is masked.
+  // A person stands before the shadow volume: the shadow behind is masked.
   Stage stage(2);
   stage.setup.light.ambient = Eigen::Vector3f::Constant(0.2F);
   stage.setup.light.lamps.push_back({{-2, 0, 0}, std::nullopt, {0, 0}, {3, 3, 3}});

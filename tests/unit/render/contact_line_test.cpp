@@ -70,8 +70,8 @@ struct ContactScene {
   render::CompositorSetup setup;
 };
 
-/// Where the table of a column, from its lit part up, is half as bright; nullopt without a shadow
-/// of two pixels and more.
+/// Row of a column at which the table, followed from its lit part up, is half as bright; nullopt
+/// without a shadow of at least two pixels.
 std::optional<double> end_of_shadow(const render::cpu::VirtualLayer& layer, int x) {
   const auto at = [&](int y) { return static_cast<double>(layer.color.at(x, y).g); };
   const auto is_table = [&](int y) {
@@ -109,7 +109,7 @@ TEST(ContactLine, the_shadow_before_a_box_has_no_teeth) {
     }
   }
   EXPECT_GE(pieces, 12);
-  // With one look at the lamps for 2x2 pixels 0.24 and 0.46.
+  // With one light computation per 2x2 pixels these would be 0.24 and 0.46.
   EXPECT_LT(sum / pieces, 0.13);
   EXPECT_LT(worst, 0.3);
 }

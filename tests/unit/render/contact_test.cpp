@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a box hides of the ambient light on the floor it stands on, against closed forms.
+// Occlusion of ambient light by a box on the floor under it, compared with closed forms.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kHalfM = 0.2F, kHighM = 0.5F, kBoxAlbedo = 0.5F;
 
-/// Stands on its bottom, z up.
+/// A box whose bottom is at its origin, with z up.
 struct BoxObject {
   BoxObject() {
     for (int i = 0; i < 8; ++i)
@@ -86,8 +86,8 @@ TEST(ContactShade, is_of_objects_that_cast_shadows_alone) {
   EXPECT_FALSE(has_contact(setup, box.object));
 }
 
-// The camera looks straight down at the floor, 3 m away, on which the box stands; no lamp. What the
-// box hides comes back by half of its albedo.
+// The camera looks straight down at the floor, 3 m away, on which the box stands; there is no lamp.
+// The light that the box hides comes back by half of its albedo.
 TEST(ContactShade, the_floor_becomes_darker_beside_a_box) {
   constexpr Size kView{160, 128};
   constexpr float kBelowM = 3;

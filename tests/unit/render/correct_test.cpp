@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pass correct makes of depth pictures made by hand, by the back end of this program.
+// The pass `correct` of the back end under test, on depth pictures made by hand.
 #include <cmath>
 #include <limits>
 #include <random>
@@ -13,7 +13,7 @@ namespace {
 constexpr Size kCorrectSize{16, 12};
 constexpr int kRight = 1, kDown = 2, kDownRight = 4, kDownLeft = 8;
 
-/// Of a camera of ideal rays, 100 px of focal length.
+/// Corrected depth of a camera without distortion and with 100 px focal length.
 struct Corrected {
   explicit Corrected(const Image<float>& depth_m, const render::CorrectParams& params = {}) {
     render::Tables tables = render::make_tables(plain_setup({8, 8}, 8, depth_m.size(), 100));
@@ -186,7 +186,7 @@ int near_px(const Corrected& c) {
 }
 
 TEST(Correct, piece_a_period_too_near_is_dropped) {
-  // As a Kinect v2 puts the border of a leg that moves: 2x10 pixels at 4 m less 1.87 m.
+  // A Kinect v2 shows the border of a moving leg like this: 2x10 pixels at 4 m less 1.87 m.
   const auto is_near = [](int x, int y) { return x >= 30 && x < 32 && y >= 25 && y < 35; };
   EXPECT_EQ(near_px(wall_with(2.13F, is_near)), 0);
 }

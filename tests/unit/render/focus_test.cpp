@@ -59,7 +59,7 @@ FrameOutput sharp_picture(const TwoPlanes& scene) {
 
 constexpr int kBandFrom = 60, kBandTo = 100;  ///< columns about the edge
 
-/// Only the band is drawn.
+/// The true picture through the lens as a sum of rays; only the band of columns is drawn.
 Image<Rgb8> through_lens(const TwoPlanes& scene, double focus_m) {
   constexpr int kRays = 400;
   Image<Rgb8> out(kLensView);
@@ -78,7 +78,7 @@ Image<Rgb8> through_lens(const TwoPlanes& scene, double focus_m) {
   return out;
 }
 
-/// Each pixel the mean of its disc's pixels, whatever their depth.
+/// A simple blur: each pixel is the mean of its disc's pixels, whatever their depth.
 Image<Rgb8> naive(const FrameOutput& sharp, double focus_m) {
   Image<Rgb8> out(kLensView);
   const auto& linear = linear_of_srgb_bytes();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What surfaces mirror, against the sums of glTF's formulas over directions (appendix B), and
-// ambient light by direction against rooms whose light is given by formula.
+// Mirror reflections are compared with sums of glTF's formulas over directions (appendix B), and
+// ambient light by direction with rooms whose light is given by formula.
 #include "host/render/cpu/light/gloss.h"
 
 #include <cmath>

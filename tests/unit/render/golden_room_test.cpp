@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A composite of the analytic room against a kept one: what no single measure would notice, at
-// every level of the processor (tests/levels/run). The kept picture was looked at; after a change
-// that is meant, MIXRIG_KEEP_GOLDEN=1 makes it again.
+// Compares a composite of the analytic room with a stored one at every level of the processor
+// (tests/levels/run): this finds changes that no single measure shows. The stored picture was
+// inspected by eye; after an intended change, MIXRIG_KEEP_GOLDEN=1 makes it again.
 #include <cstdlib>
 #include <string>
 

@@ -10,7 +10,7 @@
 
 namespace mixrig::test {
 
-/// A linear colour, 0 to 1, as the plate of the CPU holds it.
+/// A linear colour, 0 to 1, in the format of the cpu back end's plate.
 inline render::cpu::Rgbx16 linear16(Rgbf c) {
   const auto fixed = [](float v) { return static_cast<std::uint16_t>(65535 * v); };
   return {fixed(c.r), fixed(c.g), fixed(c.b), 0};
@@ -23,7 +23,7 @@ inline geometry::CameraModel ideal_camera(Size size, double f_px) {
   return camera;
 }
 
-/// A setup of two ideal cameras at the same place and nothing else.
+/// A setup of two ideal cameras at one place, and nothing else.
 inline render::CompositorSetup plain_setup(Size view, double view_f_px, Size tof, double tof_f_px) {
   render::CompositorSetup setup;
   setup.target = ideal_camera(view, view_f_px);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the key makes of small pictures made by hand, by the back end of this program.
+// The key of the back end under test, on small pictures made by hand.
 #include <cmath>
 #include <utility>
 
@@ -323,7 +323,7 @@ TEST(Key, a_patch_like_the_wall_inside_people_is_no_hole_but_a_gap_between_legs_
   }
 }
 
-/// Of a dark head in a mirror some pixels are measured too near.
+/// Some pixels of a dark head in a mirror are measured too near.
 TEST(Key, a_few_near_pixels_beside_what_a_mirror_shows_are_nobody) {
   for (const bool mirrored : {true, false}) {
     Keyed k;
@@ -337,7 +337,7 @@ TEST(Key, a_few_near_pixels_beside_what_a_mirror_shows_are_nobody) {
   }
 }
 
-/// A sleeve in a mirror beside the person who wears it, measured in part.
+/// A mirror beside a person shows the person's sleeve, of which only part has depth.
 TEST(Key, what_is_unknown_beside_what_a_mirror_shows_is_nobody) {
   const Rgbf coat{0.18F, 0.18F, 0.18F};
   for (const bool mirrored : {true, false}) {
@@ -354,7 +354,7 @@ TEST(Key, what_is_unknown_beside_what_a_mirror_shows_is_nobody) {
   }
 }
 
-/// The depth camera shows people who walk where they were before.
+/// The depth camera lags: it shows walking people where they were before.
 TEST(Key, a_strip_of_the_room_under_peoples_depth_is_no_colour_of_people) {
   Keyed k;
   k.person(8, 0, 44, 64);

@@ -58,7 +58,7 @@ TEST(Lanes, bytes_are_read_at_any_offset) {
     EXPECT_EQ(found[i] & 255, bytes[static_cast<std::size_t>(3 * i)]) << i;
 }
 
-/// At every offset, also where a register reaches over the ends of the row.
+/// Tests every offset, also those at which a register reaches over the ends of the row.
 TEST(Lanes, pixels_of_a_row_are_those_at_its_ends_beyond_them) {
   std::mt19937 random(1);
   for (const int width : {1, 3, kLanes, 2 * kLanes + 5}) {

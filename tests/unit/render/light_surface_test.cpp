@@ -134,7 +134,8 @@ TEST(LightSurface, the_floor_goes_through_the_foot_of_what_stands_on_it) {
   EXPECT_NEAR(floor_at({{0.3, kFloorDown_m, 3}, kWallTowards}), measured_m, 0.03) << "it lies";
 }
 
-/// Light on more ways bends a floor: beside what stands on it that is the floor, too.
+/// Multipath bends a floor; the bend beside an object that stands on the floor belongs to the
+/// floor, too.
 TEST(LightSurface, a_bend_in_the_floor_under_an_object_belongs_to_it) {
   const render::Rect bend{60, 185, 110, 215};
   Image<float> bent_m(kNoisyView);

@@ -34,7 +34,7 @@ struct Lit {
     Crew crew(2);
     render::cpu::draw_shadow_maps(crew, preparer.params(), maps);
   }
-  /// What a point on a floor 2 m down sees of the lamp.
+  /// Share of the lamp that a point on a floor 2 m down sees.
   float seen(float x_m, float z_m, float y_m = 2) const {
     return seen_by(0, {x_m, y_m, z_m}, {0, -1, 0});
   }

@@ -43,7 +43,7 @@ geometry::Pose pose_at(const render::CameraMotion& motion, double time) {
   return geometry::inverse(geometry::Pose{Eigen::Quaterniond(turned), time * shift_m});
 }
 
-/// Of linear light, over the pixels where a or b is not the plate.
+/// PSNR of linear light over the pixels where a or b is not the plate.
 double psnr_of_box(const Image<glm::dvec3>& truth, const Image<Rgb8>& shown,
                    const Image<Rgb8>& plate) {
   const auto& linear = linear_of_srgb_bytes();

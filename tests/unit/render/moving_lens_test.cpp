@@ -35,7 +35,7 @@ struct LensRoom : RoomSetup {
   }
 };
 
-/// The same frame by a compositor that knows no other lens.
+/// The same frame drawn by a compositor whose lens is fixed to `lens`.
 render::FrameOutput made_for(const LensRoom& room, const geometry::LensState& lens) {
   render::CompositorSetup setup = room.setup;
   setup.view = render::view_through(room.setup, lens.camera.pinhole);
@@ -86,7 +86,7 @@ TEST(MovingLens, FollowsAsIfMadeForEachSetting) {
       EXPECT_GT(differing(out.color, first.color), out.color.size().area() / 4);
     }
   }
-  // Without a lens of its own a frame has that of the setup.
+  // A frame without a lens of its own uses that of the setup.
   ASSERT_TRUE((*compositor)->compose(room.frame(), out));
   expect_same(out, made_for(room, {room.setup.target, 0}));
 }

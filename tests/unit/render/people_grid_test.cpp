@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What people hide of wide lamps around the objects: told between the points of a grid as by the
-// maps that these were looked up in, and not looked for where nobody is near.
+// Occlusion of wide lamps by people, around the objects: interpolated between the points of a grid
+// it equals the lookups in the maps, and it is not computed where nobody is near.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -129,7 +129,8 @@ TEST(PeopleShadow, WhoIsNotBetweenALampAndTheObjectsIsLeftOut) {
   EXPECT_EQ(scene.people().reach, 1U);
 }
 
-/// In a large picture a quarter of the blocks has balls, twice as large; the shadow is the same.
+/// In a large picture a quarter of the blocks has balls, twice as large; the shadow must be the
+/// same.
 TEST(PeopleShadow, OfSmallBlocksEverySecondOneHasABall) {
   PanelScene coarse(0.7), fine(0.7, 1080);
   coarse.stand(-1), fine.stand(-1);
@@ -146,7 +147,7 @@ TEST(PeopleShadow, OfSmallBlocksEverySecondOneHasABall) {
     EXPECT_NEAR(fine.seen({0, y, 3}).first, coarse.seen({0, y, 3}).first, 0.2) << y;
 }
 
-/// What is kept of the objects' shading grows with their pixels.
+/// The memory for the objects' shading depends on their number of pixels.
 TEST(PeopleShadow, ACameraThatComesNearerAllocatesNothing) {
   for (const bool for_each_pose : {true, false}) {
     RoomSetup room({.box_m = {0.4, 0.9, 3.2}});

@@ -23,7 +23,7 @@ constexpr UprightPart kBody[] = {{0, 0.18, 0.11, -0.6, 0.1},
                                  {-0.23, 0.045, 0.045, -0.58, 0.15},
                                  {0.23, 0.045, 0.045, -0.58, 0.15}};
 
-/// Where from + t along, t in (0, 1), meets the body first.
+/// Smallest t in (0, 1) at which from + t along meets the body; nullopt if none.
 std::optional<double> meets(const Vector3d& from, const Vector3d& along) {
   std::optional<double> first;
   const auto take = [&](double t) {
@@ -59,7 +59,8 @@ struct Shares {
   double found = 0, wrong = 0;  ///< of the true shadow's area
 };
 
-/// On a plane 1 m behind the body as the lamp sees it. Azimuth 0: the lamp is above the camera.
+/// Shares of the shadow on a plane 1 m behind the body as the lamp sees it. Azimuth 0: the lamp is
+/// above the camera.
 Shares shares_of_shadow(double azimuth_rad) {
   render::CompositorSetup setup = plain_setup({320, 240}, 320, {64, 48}, 64);
   setup.capture_box = render::CaptureBox{{-2.5, -2, 0.5}, {2.5, 2, 5}};

@@ -87,7 +87,7 @@ TEST(PictureLook, FindsHowMuchFartherColourIsBlurred) {
   }
 }
 
-/// What is left of the mask after a blur, by the variance of steps.
+/// Part of the sharpening mask that remains after a blur, by the variance of steps.
 TEST(PictureLook, FindsSharpeningThatOutweighsTheBlur) {
   const Image<glm::vec3> soft = picture_of(1e-6F, 1e-5F, 0, 0.5F, false);
   EXPECT_EQ(measure_look(soft, {kSide, kSide}).sharpening, 0);

@@ -83,7 +83,7 @@ TEST(Plate, samples_of_a_register_are_those_of_a_pixel) {
     render::cpu::blend_run(taps.data(), image.data(), kWidth, out.data());
     for (std::size_t i = 0; i < taps.size(); ++i) {
       const Rgbx16* const p = &image[taps[i].offset];
-      // By exact numbers, and their rounding: half goes down.
+      // Exact values with their rounding: half goes down.
       const auto expected = [&](auto channel) {
         const std::uint64_t fx = taps[i].fraction_x, fy = taps[i].fraction_y;
         const std::uint64_t sum =

@@ -16,8 +16,8 @@ namespace {
 constexpr Size kEdgeView{160, 120};
 constexpr int kTofPixel_px = 4;
 
-/// What stands before a wall or on a floor, and the colours of both; each ToF pixel is of the
-/// surface in its middle.
+/// An object before a wall or on a floor, and the colours of both; each ToF pixel has the surface
+/// in its middle.
 struct EdgeRoom {
   using Shape = std::function<float(double x, double y)>;  ///< depth; 0: what is behind is seen
   using Behind = std::function<float(double y)>;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a real table hides of the lamps, against closed forms.
+// Occlusion of lamps by a real table, compared with closed forms.
 #include "host/render/tables/room_shade.h"
 
 #include <algorithm>
@@ -16,8 +16,9 @@ namespace {
 constexpr Size kRoomView{200, 160};
 constexpr float kFloorM = 3, kTableM = 2, kTableHalfM = 0.5F;
 
-/// The camera looks straight down along z at a floor 3 m away, and at a table 1 m over it, 1 m
-/// wide. World and camera are one. A small virtual block stands on the floor to the left.
+/// The camera looks straight down along z at a floor 3 m away, and at a table 1 m above it, 1 m
+/// wide. World and camera have the same axes. A small virtual block stands on the floor to the
+/// left.
 struct TableRoom {
   explicit TableRoom(double lamp_side_m = 0, float block_x_m = -1.1F)
       : depth_m(make_image<float>(
@@ -141,7 +142,7 @@ TEST(RoomShade, an_object_in_the_shade_is_dark_and_casts_no_second_shadow) {
   EXPECT_LT(*std::min_element(bright.light.row(80), bright.light.row(80) + kRoomView.width), 0.4F);
 }
 
-/// Where the first pose is known the shade is there before the first frame, and is the same.
+/// If the first pose is known, the shade exists before the first frame, and is the same.
 TEST(RoomShade, is_found_when_the_compositor_is_made_where_the_first_pose_is_known) {
   TableRoom room;
   const render::FrameOutput late = room.compose();
@@ -157,7 +158,8 @@ TEST(RoomShade, is_found_when_the_compositor_is_made_where_the_first_pose_is_kno
   EXPECT_EQ(psnr_db(early.color, late.color), 100);
 }
 
-/// What people hide of a whole panel is taken from its parts: the shadows of objects stay fine.
+/// A panel keeps its parts while people cast shadows: people's occlusion of the whole panel comes
+/// from the parts, and the objects' shadows stay fine.
 TEST(RoomShade, panels_keep_their_parts_where_people_cast_shadows) {
   TableRoom room;
   room.setup.light.lamps = {{{0, -1.3, 2}, Eigen::Vector3d::UnitY(), {0.5, 0.5}, {1, 1, 1}}};

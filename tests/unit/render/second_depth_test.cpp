@@ -22,7 +22,7 @@ Image<float> warped(const RoomSetup& room, const render::FrameInput& frame) {
   return output.warped_depth_m;
 }
 
-/// The same frame without the second camera.
+/// The frame without the second depth camera.
 render::FrameInput first_alone(const RoomSetup& room) {
   render::FrameInput frame = room.frame();
   frame.tof2_depth_m = {};

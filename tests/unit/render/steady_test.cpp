@@ -84,7 +84,7 @@ struct SteadyScene {
   render::FrameOutput out;
 };
 
-/// Mean square change of the matte from frame to frame, of 1, over a person who stands still.
+/// Mean square change of the matte (0 to 1) from frame to frame over a person who stands still.
 double flicker(bool steady) {
   SteadyScene scene;
   const auto compositor = scene.compositor(steady);
@@ -125,7 +125,7 @@ TEST(Steady, leaves_no_ghost_of_who_starts_turns_stops_and_leaves) {
   EXPECT_EQ(scene.ghosts(0, false), 0) << "gone";
 }
 
-/// The camera's gain or a lamp changes: what was before says nothing, and the matte is that of the
+/// The camera's gain or a lamp changes: the history is discarded, and the matte is that of the
 /// frame alone.
 TEST(Steady, forgets_where_the_light_changed) {
   SteadyScene scene;

@@ -136,7 +136,7 @@ TEST(Virtual, texture_is_perspective_correct_and_repeats) {
     EXPECT_NEAR(at(x), expected((x - 7.5) / 8), 0.01) << x;
 }
 
-/// What one sample shows of a mesh, by cutting its ray with every triangle.
+/// Result of one sample's ray cut with every triangle of a mesh.
 struct Cut {
   double z_m = 0;            ///< 0: nothing
   bool near_border = false;  ///< of any triangle: rounding may decide
@@ -301,8 +301,8 @@ TEST(Virtual, registers_of_pixels_show_what_single_ones_do) {
         ++covered;
         const auto c = a.color.at(x, y), d = b.color.at(x, y);
         for (const int off : {c.r - d.r, c.g - d.g, c.b - d.b}) {
-          // Where a triangle is seen edge-on with fifty repeats, rounding moves it by texels'
-          // parts.
+          // Where a triangle with fifty texture repeats is seen edge-on, rounding moves the sample
+          // by parts of a texel.
           ASSERT_NEAR(off, 0, 655) << x << "," << y;
           far_off += std::abs(off) > 20;
         }

@@ -15,7 +15,7 @@ constexpr Size kVolumeView{64, 64};
 constexpr double kEye_m = 1.5;
 const Rgbf kFloorColor{0.5F, 0.5F, 0.5F}, kShirt{0.6F, 0.1F, 0.1F};
 
-/// A camera 1.5 m over the floor z = 0 that looks along world x; what it sees is put in by hand.
+/// A camera 1.5 m over the floor z = 0 that looks along world x; its pictures are set by hand.
 struct OnFloor {
   OnFloor()
       : setup(plain_setup(kVolumeView, 64, {32, 32}, 32)),
@@ -320,7 +320,7 @@ TEST(PeopleShadow, a_person_is_as_thick_as_the_silhouette_is_wide) {
 TEST(PeopleShadow, falls_where_the_person_stands_before_the_lamp) {
   Standing person;
   person.draw();
-  // From the camera the silhouette spans +-0.25 of z; so it does from a lamp in the camera.
+  // Seen from the camera, the silhouette spans +-0.25 of z; so it does from a lamp at the camera.
   for (const float u : {-0.2F, 0.0F, 0.2F}) EXPECT_EQ(person.seen(8 * u, 0, 8), 0) << u;
   for (const float u : {-0.32F, 0.32F}) EXPECT_EQ(person.seen(8 * u, 0, 8), 1) << u;
   EXPECT_EQ(person.seen(0, 0, 1.5F), 1);  // before the person
@@ -347,7 +347,7 @@ TEST(PeopleShadow, darkens_a_virtual_surface_and_leaves_no_trace) {
   EXPECT_EQ(free.color.at(40, 32), before.at(40, 32));
 }
 
-/// Only the first lamps of many are looked at for people; the others light as ever.
+/// Of many lamps, only the first ones are checked for people; the others light as before.
 TEST(PeopleShadow, more_lamps_than_are_looked_up_do_no_harm) {
   Replaced scene;
   scene.setup.people_cast_shadows = true;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the warp puts the four borders of a box before a wall, by formula: no side is favoured.
+// Positions of the four borders of a box before a wall after the warp, by formula: no side is
+// favoured.
 #include <algorithm>
 #include <cmath>
 
@@ -18,9 +19,9 @@ double share_within(double at, double half) {
   return std::clamp(std::min(at + 0.5, half) - std::max(at - 0.5, -half), 0.0, 1.0);
 }
 
-/// What a ToF camera measures of a square box before a wall, `half_px` of its pixels to each side
-/// of its axis. A pixel that sees both has the depth of the sum of their light, which falls with
-/// the square of the depth, or, unless it `mixes`, none.
+/// ToF depth of a square box before a wall, `half_px` of its pixels to each side of its axis. A
+/// pixel that sees both has the depth of the sum of their light, which falls with the square of the
+/// depth; if `mixes` is false, it has none.
 Image<float> box_before_wall(double half_px, bool mixes) {
   const double middle = 0.5 * (kBoxTof.width - 1);
   return make_image<float>(kBoxTof, [&](int x, int y) {

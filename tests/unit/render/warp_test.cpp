@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the warp puts depth, by formula, by the back end of this program.
+// Warped depth of the back end under test, compared with formulas.
 #include <cmath>
 
 #include "tests/unit/render/back_end.h"
@@ -10,7 +10,7 @@ namespace {
 
 constexpr Size kWarpTof{8, 8}, kWarpView{32, 32};
 
-/// ToF pixel x lands at u = 4 x + 1.5 of the view where the cameras stand at one place.
+/// If both cameras stand at one place, ToF pixel x lands at u = 4 x + 1.5 of the view.
 WarpedDepth warped_depth(const Image<float>& depth_m, const geometry::Pose& target_from_tof = {},
                          int threads = 1, Size view = kWarpView, double view_f_px = 32) {
   render::CompositorSetup setup = plain_setup(view, view_f_px, depth_m.size(), 8);
@@ -91,8 +91,8 @@ TEST(Warp, reach_is_more_over_what_the_tof_camera_sees_and_less_over_what_it_doe
   EXPECT_NEAR(border_px(-12) - still_px, -0.8 * 16, 0.75);
 }
 
-/// Where the border between 2 m up to ToF column 3 and 4 m lies in a row of the view, with what was
-/// measured in columns 3 and 4; 0 is no measurement. Midway is 15.5.
+/// Position, in a row of the view, of the border between 2 m (up to ToF column 3) and 4 m, when
+/// columns 3 and 4 have the given depths; 0 is no measurement. Midway is 15.5.
 float border_with(float third_m, float fourth_m) {
   const Size tof{8, 8}, view{256, 256};  // a ToF pixel spans 32 px
   const WarpedDepth warped =
@@ -104,7 +104,7 @@ float border_with(float third_m, float fourth_m) {
                    {}, 1, view, 256);
   int x = 255;
   while (x > 0 && warped.w.at(x, 128) < 0.4F) --x;
-  // What lies beside it is the far surface: nothing is unknown, or between the two.
+  // The pixel beside the border is the far surface: no depth is unknown or between the two.
   EXPECT_NEAR(warped.w.at(x + 1, 128), 0.25F, 1e-3F) << third_m << " " << fourth_m;
   return (static_cast<float>(x) + 0.5F - 127.5F) / 32;  // ToF pixels from midway
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mirror whose depth has wrapped around, beside things that hang or stand in a room.
+// A mirror whose depth has wrapped around, beside objects that hang or stand in a room.
 #include "host/render/tables/wrapped_areas.h"
 
 #include <algorithm>

@@ -34,7 +34,7 @@ Panorama box_seen_from(const Vector3d& at_m, float sigma_m, double least_azimuth
 
 geometry::Pose shifted(const Vector3d& by_m) { return {Eigen::Quaterniond::Identity(), by_m}; }
 
-/// Of the triangles, in the axes of the first.
+/// Area of the triangles, in the axes of the first room.
 double area_m2(const RoomMesh& mesh) {
   double sum = 0;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -55,7 +55,7 @@ TEST(JoinedMesh, WhatBothSeeIsThereOnce) {
   EXPECT_NEAR(alone_m2, 2 * (5 * 4 + 5 * 3 + 4 * 3), 5);
   // Where one ends and the other begins, triangles overlap by up to one.
   EXPECT_NEAR(area_m2(grids[0]) + area_m2(grids[1]), alone_m2, 0.1 * alone_m2);
-  // Each has what is nearer and seen straighter.
+  // Each room keeps the surfaces that it sees from nearer and more directly.
   EXPECT_GT(area_m2(grids[0]), 0.3 * alone_m2);
   EXPECT_GT(area_m2(grids[1]), 0.3 * alone_m2);
 }

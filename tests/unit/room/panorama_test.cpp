@@ -26,7 +26,7 @@ Panorama fuse(const std::vector<ScanView>& views, bool smooth = false) {
   return make_panorama(views, box_camera(), box_camera(), {kHeight, smooth, false}, crew);
 }
 
-/// Whether all rays within six degrees or so meet the same wall.
+/// Whether all rays within about six degrees hit the same wall.
 bool is_off_the_edges(const Eigen::Vector3d& ray) {
   std::array<double, 3> walls_m{};
   for (int k = 0; k < 3; ++k)
@@ -214,7 +214,7 @@ TEST(ViewAverage, WeighsFramesByTheSquareOfTheirAmplitude) {
   EXPECT_EQ(distance_m.at(0, 0), 0);
 }
 
-/// The noise of the camera says 1 mm, for a bright surface; a dark one scatters by 40 mm.
+/// The camera's noise model states 1 mm, for a bright surface; a dark one scatters by 40 mm.
 TEST(ViewAverage, WhereLittleLightReturnsSigmaIsThatOfTheScatter) {
   ViewAverage average(box_camera(), {0.001, 0, 0}, true);
   std::mt19937 random(4);

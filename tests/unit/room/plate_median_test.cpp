@@ -19,7 +19,7 @@ Image<Rgb8> noise_plate(Size size, unsigned seed) {
   return plate;
 }
 
-/// By sorting; of an even count the mean of the two middle values, rounded up.
+/// Median by sorting; for an even count the mean of the two middle values, rounded up.
 std::uint8_t middle_of(std::vector<std::uint8_t> values) {
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();

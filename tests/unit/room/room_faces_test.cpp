@@ -174,7 +174,7 @@ TEST(RoomFaces, SpreadIsLargeAtBordersOfColourAndUnknownIsSaid) {
   EXPECT_EQ(faces.color.at(middle, 4 * side + middle).x, kUnknownColorByte) << "up";
 }
 
-/// Only what differs between the faces comes back, at its place and as its distance.
+/// Only changed pixels of the faces come back, at their direction and with their distance.
 TEST(RoomFaces, GiveTheirChangesBackToThePanorama) {
   Panorama panorama = panorama_of(to_cube_wall_m, 2);
   const Panorama as_it_was = panorama;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faults of a sweep of a box are said by name and place, and a sound one has none.
+// Faults of a sweep of a box are reported by name and place; a sound sweep has none.
 #include "host/room/scan/shape/room_findings.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes of a box whose distances have a formula, held against it by rays (Moeller and Trumbore
-// 1997).
+// Meshes of a box whose distances have a formula, checked with rays (Moeller and Trumbore 1997).
 #include "host/room/scan/shape/room_mesh.h"
 
 #include <algorithm>

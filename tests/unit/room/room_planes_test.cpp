@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Walls of a box, and what stands off them.
+// Planes of a box's walls, and points off them.
 #include "host/room/scan/shape/room_planes.h"
 
 #include <algorithm>

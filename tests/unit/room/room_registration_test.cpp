@@ -124,7 +124,7 @@ TEST(RoomRegistration, AMovedBoxDoesNotPullAndIsNamed) {
   const Pose a = standing(1.5, 2.4, 1.4, 20), b = standing(3.3, 1.8, 1.2, 77);
   const auto found = joined(before, a, after, b);
   ASSERT_NO_FATAL_FAILURE(expect_pose(found, a, b));
-  // The one box stands in a, the other in b.
+  // One box stands in room a, the other in room b.
   const auto points_at = [&](const Pose& from, bool in_b, const Vector3d& middle_m) {
     return std::any_of(found->moved.begin(), found->moved.end(), [&](const MovedArea& area) {
       const Vector3d ray = geometry::inverse(from) * middle_m;
@@ -222,8 +222,8 @@ TEST(RoomRegistration, AHallThatRepeatsIsRefused) {
   EXPECT_NE(why_not(found).find("fit nearly as well"), std::string::npos) << why_not(found);
 }
 
-// What agrees most is one end laid onto the other, which turns the middle around; where they really
-// stood, they have too little in common.
+// The best agreement has one end laid onto the other, which turns the middle around; at the true
+// pose the rooms have too little in common.
 TEST(RoomRegistration, AFurnishedHallIsNotTurnedAround) {
   BlockWorld furnished_hall = hall();
   furnished_hall.room.high_m.x() = 12;

@@ -53,7 +53,7 @@ class WatchedRoom : public ::testing::Test {
     world_from_view_ = geometry::look_at(eye_m, at_m, Vector3d::UnitZ());
   }
 
-  /// One frame of what stands in the room now, a fifth of a second after the last one.
+  /// Gives one frame of the objects now in the room, a fifth of a second after the last one.
   void see(const std::vector<WatchedBlock>& now, const RoomLight& light = as_scanned) {
     std::vector<WatchedBlock> all = walls_, known = walls_;
     all.insert(all.end(), now.begin(), now.end());
@@ -238,7 +238,7 @@ TEST_F(WatchedRoom, WhoStandsAndSwaysIsNoChange) {
   EXPECT_TRUE(watch_->changes().empty()) << told();
 }
 
-/// What stands as still as a thing is one, for all that is seen; it is over when they go.
+/// A person who stands as still as an object is taken for one; this ends when they go.
 TEST_F(WatchedRoom, WhoStandsLikeAStatueIsTakenForAThingUntilTheyGo) {
   see_for(20, {person_at(0.3, 2.5)});
   ASSERT_EQ(watch_->changes().size(), 1U);
@@ -374,7 +374,7 @@ TEST_F(WatchedRoom, NoiseOfAPoorCameraIsNoChange) {
   EXPECT_TRUE(watch_->changes().empty()) << told();
 }
 
-/// Sigma is 25 mm at the chair's distance and the sway is 4 mm RMS: what moves is told from noise.
+/// Sigma is 25 mm at the chair's distance, the sway 4 mm RMS: motion is distinguished from noise.
 TEST_F(WatchedRoom, APoorCameraTellsAThingFromWhoSways) {
   noise_ = {0.01, 0.005, 0.002};
   for (int i = 0; i < 20 * kWatchRate_hz; ++i) {

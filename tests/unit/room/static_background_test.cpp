@@ -31,7 +31,7 @@ Frame noisy_wall(std::mt19937& random) {
   return frame;
 }
 
-/// The sRGB curve written out once more, so that the room's own table is judged.
+/// The sRGB curve, written independently so that the room's own table is tested.
 float linear(double srgb) {
   return static_cast<float>(std::pow((srgb / 255 + 0.055) / 1.055, 2.4));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plans held against directions that a rotation matrix puts into each view.
+// Sweep plans are compared with directions that a rotation matrix puts into each view.
 #include "host/room/scan/sweep_plan.h"
 
 #include <cmath>

@@ -45,7 +45,7 @@ TEST(ViewAlignment, OneWrongAngleIsFoundAndMended) {
       for (std::size_t i = 0; i < views.size(); ++i) {
         Vector3d off_rad = result.views[i].turn_rad;
         if (i == wrong) off_rad += error_rad;
-        // Of a plain floor or ceiling, which fills a view, a turn about z cannot be seen.
+        // A plain floor or ceiling that fills a view does not determine a turn about z.
         if (!textured && wrong != 23) off_rad.z() = 0;
         EXPECT_LT(off_rad.norm(), 0.05 * kDeg)
             << i << " of " << wrong << (textured ? " textured" : " plain");
@@ -54,7 +54,7 @@ TEST(ViewAlignment, OneWrongAngleIsFoundAndMended) {
     }
 }
 
-/// No unit errs so: something else is wrong, and turns would only hide it.
+/// No unit has such errors: something else is wrong, and turns would only hide it.
 TEST(ViewAlignment, WhereMostViewsWouldTurnNoneDoes) {
   std::vector<ScanView> views = noisy_box();
   for (std::size_t i = 0; i < views.size(); ++i)

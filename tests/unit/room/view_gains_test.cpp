@@ -18,7 +18,7 @@ using test::box_camera;
 using test::box_view;
 using test::box_views;
 
-/// How a camera would darken and tint a view: exposure within 12 %, red and blue within 3 %.
+/// Darkening and tint of a view by a camera: exposure within 12 %, red and blue within 3 %.
 Eigen::Array3d tint(std::size_t view) {
   const double i = static_cast<double>(view);
   return Eigen::Array3d(1 + 0.03 * std::cos(2.3 * i), 1, 1 - 0.03 * std::cos(1.7 * i)) *

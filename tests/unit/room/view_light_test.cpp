@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plates of known light at several exposures, of a camera that does not expose as it says.
+// Plates of known light at several exposures, by a camera whose exposure differs from its setting.
 #include "host/room/scan/panorama/view_light.h"
 
 #include <algorithm>
@@ -39,7 +39,7 @@ Image<Rgb8> exposed(double factor, unsigned seed) {
   return plate;
 }
 
-/// A view with plates at these times; each is exposed by `longer_s` more than it says.
+/// A view with plates at these times; each is exposed by `longer_s` more than stated.
 ScanView view_with(const std::vector<double>& exposures_s, double longer_s) {
   ScanView view;
   view.plate = exposed(1, 1);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A recorded sweep of the box room, whose pictures are formulas: what is built of it has the box's
-// lengths. The virtual board's sweep (tests/board/rig_scan_test.cpp) is judged by the same code.
+// A recorded sweep of the box room, whose pictures are computed by formula: the scanned room must
+// have the box's lengths. The sweep of the virtual board (tests/board/rig_scan_test.cpp) is checked
+// by the same code.
 #include <array>
 
 #include <gtest/gtest.h>
@@ -44,8 +45,8 @@ TEST(BoxRoom, IsWhatRaysByHandMeet) {
   EXPECT_DOUBLE_EQ(ahead.length, 1.2);  // 2.6 - 0.2, in lengths of the ray
   EXPECT_EQ(test::BoxRoom::hit(eye, {-3, 1, 0}).wall, 0U);
   EXPECT_DOUBLE_EQ(test::BoxRoom::hit(eye, {0.1, 0, -1}).length, 1.3);
-  // Looking ahead, to the left and up. The ToF camera stands 4 cm before and 6 cm above the origin;
-  // the tilt axis is 2 cm before it.
+  // The head looks ahead, to the left and up. The ToF camera stands 4 cm before and 6 cm above the
+  // origin; the tilt axis is 2 cm before it.
   const auto middle_mm = [](double pan_rad, double tilt_rad) {
     return kBoxHead.distances_mm(pan_rad - 0.012, tilt_rad)[60 * test::kBoxTofWidth + 80];
   };

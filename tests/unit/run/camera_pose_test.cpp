@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the pose comes from, seen in the picture: a virtual object that stands still in the world
+// Each source of the pose is tested in the picture: a virtual object stands still in the world
 // while the camera moves sideways.
 #include "host/run/session/camera_pose.h"
 
@@ -32,7 +32,7 @@ using test::PosedSource;
 constexpr double kSpeed_m_s = 0.2;
 constexpr float kQuad_z_m = 1;
 
-/// What a frame of the run showed.
+/// Contents of one frame of the run.
 struct Shown {
   int virtual_px = 0;
   double centre_px = 0;  ///< column of the object's centre
@@ -272,13 +272,13 @@ TEST_F(CameraPoseTest, ThePanTiltChainHoldsTheObjectStill) {
   use(std::make_unique<PosedSource>(20, pan));
   session_.scene.pose_source = PoseSource::kPanTilt;
   use_calibration(with_chain());
-  // The base stands so that the camera at angles zero has the world's axes.
+  // The base is placed so that the camera has the world's axes at angles zero.
   session_.scene.camera.world_from_base.rotation =
       Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()));
   const auto report = run_it();
   ASSERT_TRUE(report) << report.error().context;
   for (const auto& [number, shown] : shown_) {
-    // To the left by the pan's angle: positive about the axis that points up.
+    // The object moves with the pan's angle to the left: positive about the axis that points up.
     const double angle_rad = 0.3 * (number - 1) / 25.0;
     EXPECT_NEAR(shown.centre_px,
                 PosedSource::kCentre_px + PosedSource::kFocal_px * std::tan(angle_rad), 0.6)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an operator chooses to be sharp is sharp in the pictures of the run.
+// The focus that an operator chooses must be sharp in the pictures of the run.
 #include <algorithm>
 #include <cstdlib>
 #include <functional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is counted and said of the lenses of the frames.
+// Counts and reports of the lenses of frames.
 #include "host/room/background/frame_lens.h"
 
 #include <gtest/gtest.h>

@@ -154,7 +154,7 @@ TEST(LearnMoving, ALiveCameraMustStandStill) {
   EXPECT_TRUE(test::refused(learned, {"keep it still"}));
 }
 
-/// The same room, seen by a camera that stands still while its lens zooms in and its pupil moves.
+/// The room, seen by a camera at rest whose lens zooms in and whose pupil moves.
 class ZoomingSource final : public capture::CaptureSource {
  public:
   static constexpr int kFrames = 9;

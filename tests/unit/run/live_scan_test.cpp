@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a live scan plans and refuses before the head turns: the studio's cameras, an emulated unit
-// behind a pseudo-terminal.
+// Plans and refusals of a live scan before the head turns: the studio's cameras and an emulated
+// unit behind a pseudo-terminal.
 #include "host/room/sweep/live_scan.h"
 
 #include <gtest/gtest.h>
@@ -67,8 +67,8 @@ TEST_F(LiveScanPlan, SaysWhatTheLimitsOfTheUnitLeaveOut) {
   ASSERT_TRUE(scan) << scan.error().context;
   EXPECT_TRUE(scan->stopped);
   EXPECT_EQ(scan->views, 0);
-  // From 31 degrees up to 47 down, each with half the height of a view beyond in its middle:
-  // (sin 51 + sin 67) / 2 of the band.
+  // The plan covers 31 degrees up to 47 down, plus half the height of a view in its middle at each
+  // end: (sin 51 + sin 67) / 2 of the band.
   EXPECT_GT(plan_.covered_share, 0.80);
   EXPECT_LT(plan_.covered_share, 0.85);
   options_.out = folder_ / "small";

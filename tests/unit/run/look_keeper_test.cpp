@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the camera does to real things is followed while a run goes on, by the
-// time of its frames.
+// The camera's look (blur, grain, chroma) is followed during a run, by the time of its frames.
 #include "host/run/watchers/look_keeper.h"
 
 #include <array>
@@ -25,7 +24,7 @@ PictureLook look_of(float blur_px, float noise = 1e-5F) {
   return look;
 }
 
-/// One plate of LookKeeper::kLookStep is measured.
+/// One of every LookKeeper::kLookStep plates is measured.
 struct Followed {
   LookFollower follower;
   int frame = 0;
@@ -181,7 +180,7 @@ TEST_F(LookKeeperTest, ACameraThatMovesDoesNotBlurTheLook) {
   EXPECT_NEAR(moving.blur_px, still.blur_px, 0.01F);
   ASSERT_TRUE(keeper.finish());
   EXPECT_GT(keeper.report()->moved, kLookFrames_s);
-  // In no plate that stands still is more seen than the lens.
+  // Plates at rest show no more blur than that of the lens.
   LookKeeper from_motion(session_, false);
   from_motion.open(nullptr);
   number_ = 0;

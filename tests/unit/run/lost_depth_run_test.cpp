@@ -15,7 +15,7 @@
 namespace mixrig::session {
 namespace {
 
-/// What the cameras see; a step is taken when its composite has come.
+/// Phases of what the cameras see; the next phase begins when the composite has arrived.
 enum class Phase { kEmpty, kPerson, kNoDepth, kPersonAgain, kOver };
 
 class PhaseSink final : public output::CompositeSink {

@@ -238,7 +238,7 @@ TEST_F(OperatorDeskTest, WhatWasClickedInAWindowIsToldAndSaved) {
   EXPECT_EQ(scene.focus->pixel, std::pair(4, 2));
 }
 
-/// Its file is a rig.toml.
+/// A source whose file is a rig.toml.
 class OfARig final : public capture::CaptureSource {
  public:
   explicit OfARig(const std::filesystem::path& rig) { info_.name = "rig", info_.file = rig; }

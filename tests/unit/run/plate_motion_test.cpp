@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the poses of frames tell of the camera's motion while a plate is exposed.
+// The camera's motion while a plate is exposed, derived from the poses of frames.
 #include "host/run/loop/plate_motion.h"
 
 #include <gtest/gtest.h>

@@ -9,12 +9,13 @@
 
 namespace mixrig::test {
 
-/// 64x48 px, both cameras the same ideal one (60 px focal length), a grey wall at 3 m; 25 Hz.
+/// Frames of 64x48 px at 25 Hz with a grey wall at 3 m; both cameras are one ideal camera of 60 px
+/// focal length.
 class PosedSource final : public capture::CaptureSource {
  public:
   static constexpr double kFocal_px = 60, kCentre_px = 31.5;
   using Describe = std::function<void(capture::Capture&)>;
-  /// `frames` captures; with `live` the source is endless, and ends after them.
+  /// Gives `frames` captures, then ends. With `live` it reports itself as endless.
   PosedSource(int frames, Describe describe, bool live = false)
       : frames_(frames), describe_(std::move(describe)) {
     info_.name = "posed";

@@ -15,7 +15,7 @@ using scene::KeyRung;
 using scene::LightRung;
 using scene::Rungs;
 
-/// A machine on which each rung costs something.
+/// Time of a frame on a machine where each quality level has a cost.
 double cost_ms(const Rungs& r) {
   return 10 + 4.0 * static_cast<int>(r.key) + 3.0 * static_cast<int>(r.light) +
          (r.focus == FocusRung::kFine ? 5 : 0);
@@ -114,7 +114,7 @@ TEST_F(BudgetTest, ALargeOneKeepsWhatTheSceneAsksFor) {
   EXPECT_TRUE(session_.setup.key.refine);
 }
 
-// Nothing is keyed here, so that no rung is faster than another by more than chance.
+// Nothing is keyed here, so that no quality level is faster than another except by chance.
 TEST_F(BudgetTest, ATinyOneIsNotReachedAndTheRunGoesOn) {
   session_.scene.quality.budget_ms = 1e-6;
   const auto out = explain(session_, 3, {}, clock_, {});

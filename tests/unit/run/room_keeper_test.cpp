@@ -28,7 +28,7 @@ class TimedBox final : public capture::CaptureSource {
   Result<bool> read(int number, capture::Capture& frame) override {
     MIXRIG_ASSIGN(const bool there, box_.read(number, frame));
     frame.time_s = number / 25.0;
-    // As a person does who stands.
+    // Sways like a standing person.
     const float sway_m = sways_ && (number / 10) % 2 == 0 ? 0.03F : 0.0F;
     for (int y = 0; y < frame.depth_m.height(); ++y)
       for (int x = 0; x < frame.depth_m.width(); ++x)
@@ -100,7 +100,7 @@ class RoomKeeperTest : public ::testing::TestWithParam<render::Backend> {
   std::vector<double> pct_;
 };
 
-/// What does not depend on who composites.
+/// Cases that do not depend on the back end.
 class RoomKeeperOnCpu : public RoomKeeperTest {};
 
 TEST_P(RoomKeeperTest, WhatIsAcceptedIsBackgroundAndNoFrameIsLost) {

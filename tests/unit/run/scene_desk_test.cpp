@@ -40,7 +40,7 @@ position_m = [3.0, 1.0, 2.0]
 intensity = 0.5
 )";
 
-/// From 2 m above the world's origin, along y and down by half a right angle.
+/// A view from 2 m above the world's origin, along y and 45 degrees down.
 SeenFrom seen_from() {
   SeenFrom from;
   from.view = {{101, 101}, 100, 100, 50, 50};
@@ -52,7 +52,7 @@ SeenFrom seen_from() {
   return from;
 }
 
-/// With its lowest corner on its origin's level, in glTF's axes.
+/// A triangle whose lowest corner is on the level of its origin, in glTF's axes.
 std::string desk_triangle() {
   return test::glb(
       R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
@@ -71,7 +71,7 @@ TEST(PointOnLevel, IsWhereTheSightMeetsTheFloor) {
   EXPECT_LT((*p - Eigen::Vector3d(0, 2, 0)).norm(), 1e-9) << p->transpose();
   const auto higher = point_on_level(from, {0.5, 0.5}, 1);
   EXPECT_LT((*higher - Eigen::Vector3d(0, 1, 1)).norm(), 1e-9);
-  // And back, at another place.
+  // The inverse mapping at another point.
   const auto q = point_on_level(from, {0.7, 0.8}, 0);
   const auto at = place_in_picture(from, *q);
   ASSERT_TRUE(at);

@@ -102,7 +102,7 @@ class SceneFollowerTest : public ::testing::TestWithParam<render::Backend> {
     return kept;
   }
 
-  /// Of a run with this scene from beginning to end; what is saved then.
+  /// Pictures of a run with this scene from beginning to end.
   const std::map<int, Pixels>& pictures_of(const std::string& text) {
     save(text);
     const auto [found, is_new] = of_text_.try_emplace(text);
@@ -129,7 +129,7 @@ class SceneFollowerTest : public ::testing::TestWithParam<render::Backend> {
   RunReport report_;
 };
 
-/// What does not depend on who composites.
+/// Cases that do not depend on the back end.
 class SceneFollowerOnCpu : public SceneFollowerTest {};
 
 TEST_P(SceneFollowerTest, WhatIsSavedIsComposited) {
@@ -208,7 +208,7 @@ INSTANTIATE_TEST_SUITE_P(Backends, SceneFollowerTest,
                            return param.param == render::Backend::kCpu ? "cpu" : "gles";
                          });
 
-/// Its own thread reads the file; a file that is still being written is not read.
+/// A separate thread reads the file; a file that is still being written is not read.
 TEST(LiveSceneFollower, ReadsWhatWasSaved) {
   const test::TemporaryFolder folder;
   folder.write("t.glb", a_triangle());
@@ -224,7 +224,7 @@ TEST(LiveSceneFollower, ReadsWhatWasSaved) {
   EXPECT_EQ(follower.take_edited(), nullptr);
 }
 
-/// What people touch stays, wherever it is put.
+/// With [events], objects may be moved, but neither added nor scaled.
 TEST(TouchedSceneFollower, ObjectsMayOnlyBeMoved) {
   const test::TemporaryFolder folder;
   folder.write("t.glb", a_triangle());

@@ -146,8 +146,8 @@ class WallSource final : public capture::CaptureSource {
   capture::SourceInfo info_;
 };
 
-/// Requires the warped depth of even frames, or the colour of all; tells which warped depths it saw
-/// in the middle, 0 for a composite that has none.
+/// Requires the warped depth of even frames, or the colour of all. Records the warped depth in the
+/// middle of each composite, 0 for a composite without it.
 class DepthSink final : public output::CompositeSink {
  public:
   DepthSink(bool inspects, std::vector<long>& seen_mm) : inspects_(inspects), seen_mm_(seen_mm) {}

@@ -56,7 +56,7 @@ TEST(SweepViews, WhoWalksThroughAViewIsNotInIt) {
     ASSERT_NEAR(seen.distance_m.at(x, y), room.distance_m.at(x, y), 1e-5) << x << ' ' << y;
   for (const auto [x, y] : test::each_pixel(room.plate))
     ASSERT_EQ(seen.plate.at(x, y), room.plate.at(x, y)) << x << ' ' << y;
-  // One frame of five did not count.
+  // One frame of five is not used.
   EXPECT_NEAR(seen.sigma_m.at(15, 20) / room.sigma_m.at(15, 20), std::sqrt(5.0 / 4), 1e-4);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is written is read again, by the scene's own reader and by assimp.
+// Written files are read again by the scene's own reader and by assimp.
 #include "host/scene/gltf/glb_writer.h"
 
 #include <gtest/gtest.h>

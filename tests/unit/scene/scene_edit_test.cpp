@@ -65,7 +65,7 @@ TEST(SceneEdit, LampsAreReplacedAndTheRestStays) {
                            "# how people are found"})
     EXPECT_NE(text->find(kept), std::string::npos) << kept;
   EXPECT_EQ(text->find("\"old\""), std::string::npos);
-  // The same lamps again change nothing.
+  // Adding the same lamps again changes nothing.
   const auto again = with_lamps(*text, "scene.toml", lamps, Eigen::Vector3f(0.1F, 0.2F, 0.3F));
   ASSERT_TRUE(again);
   EXPECT_EQ(*again, *text);

@@ -143,7 +143,7 @@ TEST(Cast, people_must_be_one_to_three) {
             std::string::npos);
 }
 
-/// All effects at once: the same bytes for any number of threads, order and cache.
+/// With all effects at once, the bytes are the same for any number of threads, order and cache.
 TEST(Cast, everything_at_once_is_reproducible) {
   StudioOptions o = options_of(2);
   o.size_px = {80, 64};

@@ -53,7 +53,7 @@ TEST(Mocap, shows_the_body_at_the_stated_time_with_the_stated_noise) {
         camera_at(layout, options, shown_s(system, sample.stamp_s)).world_from_target;
     const geometry::Pose seen = sample.world_from_body * system.body_from_target;
     off2_rad += std::pow(seen.rotation.angularDistance(target.rotation), 2);
-    // Where the body is, so that the rotation's noise does not move it.
+    // The error is taken at the body, so that the rotation's noise does not move it.
     const Eigen::Vector3d body_m =
         target * geometry::inverse(system.body_from_target).translation_m;
     off2_m += (sample.world_from_body.translation_m - body_m).squaredNorm();

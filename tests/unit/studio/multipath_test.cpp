@@ -79,7 +79,8 @@ TEST(Multipath, light_by_way_of_the_floor_is_the_integral_over_it) {
     EXPECT_NEAR(e.fine_sin, fine.imag(), 0.04 * size) << z;
     EXPECT_NEAR(e.coarse_cos, coarse.real(), 0.04 * size) << z;
     EXPECT_NEAR(e.coarse_sin, coarse.imag(), 0.04 * size) << z;
-    // As many rays as in a take: the floor may be met by one ray and a half too many or too few.
+    // With as many rays as in a take, up to one and a half rays too many or too few may meet the
+    // floor.
     const Echo few =
         bounced_echo(corner.lit(), Vec3(1e-3F, 0.2F, static_cast<float>(z)), Vec3::UnitX(), 64);
     const double ray = albedo / (1.2 * 1.2) / 64;  // the floor is at least 1.2 m from the eye

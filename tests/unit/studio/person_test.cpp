@@ -77,7 +77,7 @@ TEST(Person, keeps_a_standing_foot_in_its_place) {
   int standing = 0;
   for (double t = 2; t < 4; t += 0.02) {
     const Posture a = c.at(t), b = c.at(t + 0.02);
-    // At any time one foot at least is flat on the floor and does not slide.
+    // At any time at least one foot is flat on the floor and does not slide.
     const auto still = [&](int side) { return (b.ankles[side] - a.ankles[side]).norm() < 1e-4F; };
     standing += still(0) || still(1) ? 1 : 0;
   }

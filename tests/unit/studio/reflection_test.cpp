@@ -64,7 +64,8 @@ TEST(Bounce, light_by_way_of_the_floor_is_the_integral_over_it) {
     const Vec3 at(1e-3F, 0, static_cast<float>(z));
     const Bounce many = bounce_at(corner.reflector(), at, Vec3::UnitX(), 4096, false);
     const Bounce few = bounce_at(corner.reflector(), at, Vec3::UnitX(), 64, false);
-    // As many rays as in a take: the floor may be met by one ray and a half too many or too few.
+    // With as many rays as in a take, up to one and a half rays too many or too few may meet the
+    // floor.
     const Vec3 ray = albedo.cwiseProduct(Vec3(0.1F, 0.1F, 0.2F) + 0.16F * Vec3(3, 2, 1)) / 64;
     for (int c = 0; c < 3; ++c) {
       EXPECT_NEAR(many.real[c], expected[c], 0.03 * expected[c]) << z;
@@ -133,7 +134,7 @@ StudioOptions with_mirror(RigPreset rig) {
 
 constexpr double kMirrorX_m = 5.263 - 0.025;
 
-/// Where a pixel's ray meets the upright plane at x_m.
+/// Point at which a pixel's ray meets the upright plane at x_m.
 Eigen::Vector3d meets(const StudioInfo& info, const geometry::Pose& world_from_target, int x, int y,
                       double x_m) {
   const Eigen::Vector3d ray =
@@ -171,7 +172,7 @@ TEST(Reflection, the_mirror_shows_the_person_where_its_mirror_image_is) {
   EXPECT_GT(changed, 0.8 * inside);
 }
 
-// By way of the mirror the wall behind the camera is as far as its mirror image.
+// Through the mirror, the wall behind the camera is as far as its mirror image.
 TEST(Reflection, the_depth_camera_measures_the_way_over_the_mirror) {
   auto studio = Studio::create(with_mirror(RigPreset::kKinect2));
   ASSERT_TRUE(studio);

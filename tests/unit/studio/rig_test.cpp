@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One seed, one rig; the head's motion against its axes.
+// The same seed gives the same rig; the head's motion agrees with its axes.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -115,7 +115,7 @@ TEST(Head, turns_about_its_axes_by_the_angles_that_the_encoders_report) {
   const StudioOptions options = pan_take(12, 0);
   const Layout layout = make_layout(options);
   const PanTiltUnit& unit = layout.pan_tilt;
-  // Not through the camera, and not through each other.
+  // The axes pass neither through the camera nor through each other.
   EXPECT_GT(unit.pan.point_m.norm(), 0.05);
   EXPECT_GT((unit.pan.point_m - unit.tilt.point_m).norm(), 1e-4);
   double widest = 0, largest_off = 0;

@@ -93,7 +93,7 @@ TEST(Studio, noise_changes_from_frame_to_frame) {
   expect_same(a.truth.composite, b.truth.composite, "composite");
 }
 
-/// From its time on the plate alone is another one: the truth stays sharp.
+/// From the focus change on only the plate differs: the truth stays sharp.
 TEST(Studio, a_lens_that_is_focused_anew_changes_the_plates_from_then_on) {
   StudioOptions once = small();
   once.realism.defocus = true;

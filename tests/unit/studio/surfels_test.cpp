@@ -9,8 +9,8 @@
 namespace mixrig::studio {
 namespace {
 
-/// One pixel over a whole period of a texture whose first texel of four is white: at the corners
-/// of the pixel it is black.
+/// One pixel spans a whole period of a texture whose first texel of four is white; at the corners
+/// of the pixel the texture is black.
 TEST(Surfels, AnObjectHasTheMeanAlbedoOfAPixelAndNotThatOfItsCorners) {
   VirtualObject object;
   object.meshes.emplace_back().texture.reset({4, 1});

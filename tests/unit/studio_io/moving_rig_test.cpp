@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files beside a moving take, read back by their readers and held against the take's poses.
+// The files beside a moving take are read back by their readers and compared with the take's poses.
 #include <algorithm>
 #include <fstream>
 

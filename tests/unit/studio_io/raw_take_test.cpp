@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the studio's raw pictures to depth, through a take, held against the studio's own truth.
+// The studio's raw pictures become depth through a take, which is compared with the studio's truth.
 #include <fstream>
 
 #include <gtest/gtest.h>

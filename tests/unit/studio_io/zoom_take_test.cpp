@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A take whose lens zooms: what the encoders and the table say of each frame, against the lens that
-// it was rendered through.
+// A take whose lens zooms: the encoders and the table of each frame are compared with the lens that
+// rendered it.
 #include <algorithm>
 #include <cmath>
 

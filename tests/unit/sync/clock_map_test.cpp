@@ -51,7 +51,7 @@ TEST(ClockMapTest, finds_390_ppm_within_50_us_under_5_ms_of_even_jitter) {
     Simulation s;
     s.random.seed(seed);
     s.delay_s = [&s] { return std::uniform_real_distribution<double>(0.0002, 0.0052)(s.random); };
-    // Ten round trips a second for three minutes, then judged for half a minute.
+    // Ten round trips a second for three minutes, then the error is measured for half a minute.
     for (int i = 0; i < 1800; ++i) s.exchange();
     for (int i = 0; i < 300; ++i) {
       s.exchange();

@@ -44,7 +44,7 @@ TEST(BracketFiles, ATakeThatIsContinuedKeepsThoseOfWholeViews) {
     ASSERT_TRUE(take->append(frames, {0.1 * first, 0}, plates));
   };
   append(1, true);
-  // What a view that was interrupted before the manifest leaves.
+  // A row left by a view that was interrupted before the manifest was written.
   std::ofstream(folder / "sweep" / kBracketTable, std::ios::app) << "2,4,0.0005,0.008\n";
   append(3, false);
   append(5, true);

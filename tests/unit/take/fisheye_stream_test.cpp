@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fisheye stream of a take comes back at its own rate, and a broken one is said or named.
+// The fisheye stream of a take comes back at its own rate, and a broken one is refused or reported.
 #include "host/capture/take/streams/fisheye_stream.h"
 
 #include <fstream>

@@ -60,7 +60,7 @@ TEST(GrowingTake, WhatWasInterruptedIsNotInItAndIsWrittenAgain) {
     GrowingTake take = opened(folder / "sweep");
     append(take, 1, 0.5);
   }
-  // As after an end between the table and the manifest.
+  // The writer ended between the table and the manifest.
   const std::string manifest = test::read_bytes(folder / "sweep/take.toml");
   {
     GrowingTake take = opened(folder / "sweep");

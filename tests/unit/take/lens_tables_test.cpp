@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the encoders of a lens said comes back at mid-exposure, with the true view of each frame.
+// Encoder values of a lens come back at mid-exposure, with the true view of each frame.
 #include <cmath>
 #include <fstream>
 

@@ -27,7 +27,7 @@ inline TakeInfo made_info() {
   return info;
 }
 
-/// Noise as pixels: nothing that an encoder could smooth survives it.
+/// A frame whose pixels are noise, which no lossy encoder would preserve.
 inline capture::Capture made_frame(int number) {
   std::mt19937 random(static_cast<unsigned>(number));
   capture::Capture frame;

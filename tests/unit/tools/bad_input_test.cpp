@@ -71,7 +71,7 @@ void joined_room(const TinyTake& t) {
              rest + "[[room]]\nfolder = \"room_2\"\n" + rest);
 }
 
-/// Of the extras that are built; one that is not is named.
+/// Rows of the extras that are built; for an extra that is not built, the error names it.
 std::vector<Row> rows_of_extras() {
   std::vector<Row> all;
 #ifdef MIXRIG_EXTRA_PEOPLE

@@ -23,7 +23,8 @@ struct Outcome {
   int error_lines() const { return static_cast<int>(std::count(err.begin(), err.end(), '\n')); }
 };
 
-/// take/: four frames of 32x24 px, a wall at 2 m; scene.toml learns the first three.
+/// A folder with take/, four frames of 32x24 px of a wall at 2 m, and scene.toml, which learns from
+/// the first three.
 class TinyTake {
  public:
   TinyTake() {
@@ -54,14 +55,14 @@ class TinyTake {
     std::ifstream file(root_ / name);
     return {std::istreambuf_iterator<char>(file), {}};
   }
-  /// Replaces the first `from` in a file; fails the test where there is none.
+  /// Replaces the first `from` in a file; fails the test where it does not occur.
   void edit(const std::string& name, const std::string& from, const std::string& to) const {
     std::string words = text_of(name);
     const std::size_t at = words.find(from);
     ASSERT_NE(at, std::string::npos) << name << " has no " << from;
     text(name, words.replace(at, from.size(), to));
   }
-  /// Cuts a file to its first `bytes`.
+  /// Truncates a file to its first `bytes`.
   void cut(const std::string& name, std::size_t bytes) const {
     fs::resize_file(root_ / name, bytes);
   }

@@ -16,7 +16,7 @@ struct TestMesh {
   Triangles triangles() const { return {positions_m, indices}; }
 };
 
-/// Each face with corners of its own, as renderers need them.
+/// Adds a box whose faces have their own corners, as renderers need them.
 inline void add_box(TestMesh& mesh, const Eigen::AlignedBox3f& box) {
   for (int axis = 0; axis < 3; ++axis)
     for (const bool far : {false, true}) {

@@ -131,7 +131,7 @@ TEST_F(TouchWatchTest, AnObjectThatVanishesIsLeft) {
   EXPECT_EQ(of(EventKind::kEnter).size(), 2U);
 }
 
-/// Who walks backwards into a crate shows the camera nothing of the side that touches.
+/// A person who walks backwards into a crate hides the touching side from the camera.
 TEST_F(TouchWatchTest, TheUnseenBackIsToldByTheProxy) {
   watch_.emplace(std::vector{crate(0.3F, 1.0F)});
   poses_ = {at(3.0, 0)};

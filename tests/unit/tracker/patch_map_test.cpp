@@ -46,7 +46,7 @@ TEST(PatchMap, DerivativesSayHowGreyValuesChange) {
       return 255 * box.grey(Eigen::Vector3d::Zero(), at.cast<double>().normalized());
     };
     const double change = grey(p.centre_m + 0.5F * p.u_m) - grey(p.centre_m - 0.5F * p.u_m);
-    // Of the four pixels in the middle.
+    // The mean of the four pixels in the middle.
     const double mean = 0.25 * (p.grey_u[14] + p.grey_u[15] + p.grey_u[20] + p.grey_u[21]);
     product += change * mean, first += change * change, second += mean * mean;
   }

@@ -224,7 +224,7 @@ TEST(Tracker, LooksFirstWhereTheScanLooked) {
   const TexturedBox box;
   model::Panorama room = box.panorama();
   EXPECT_TRUE(looking_at_the_scan(room).rotation.isApprox(looking_ahead().rotation));
-  // All but a cap around a direction is not known.
+  // Everything is unknown except a cap around one direction.
   const Eigen::Vector3d middle = Eigen::Vector3d(-0.5, -0.4, 0.6).normalized();
   for (int y = 0; y < room.size().height; ++y)
     for (int x = 0; x < room.size().width; ++x)

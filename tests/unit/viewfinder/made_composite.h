@@ -15,7 +15,7 @@ inline Rgb8 made_color(int x, int y) {
   return {static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(y), 77};
 }
 
-/// With all images; the capture is frame `number`, exposed at `at`.
+/// A composite with all images; its capture is frame `number`, exposed at `at`.
 inline std::shared_ptr<output::Composite> made_composite(int number = 1, HostTime at = {}) {
   auto capture = std::make_shared<capture::Capture>();
   capture->number = number, capture->mid_exposure = at;

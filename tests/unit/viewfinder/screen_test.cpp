@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the viewfinder draws for a state of the run, read back from its pixels.
+// The viewfinder's drawing for a state of the run, read back from its pixels.
 #include "host/output/viewfinder/screen.h"
 
 #include <cstdlib>
@@ -38,7 +38,7 @@ bool is_text_at(ImageView<const Rgbx8> picture, int x0, int y0, const std::strin
   return true;
 }
 
-/// Whether the text stands anywhere in the picture, in some size.
+/// Whether the text appears anywhere in the picture, in any size.
 bool reads(ImageView<const Rgbx8> picture, const std::string& text) {
   for (int scale = 1; scale <= 6; ++scale) {
     const Size size = text_size(text, scale);
@@ -65,7 +65,7 @@ class ScreenTest : public ::testing::Test {
     keep(picture);
     return picture;
   }
-  /// As a PNG for people, where MIXRIG_KEEP names a folder.
+  /// Saves the picture as a PNG for inspection if MIXRIG_KEEP names a folder.
   static void keep(ImageView<const Rgbx8> picture) {
     const char* const folder = std::getenv("MIXRIG_KEEP");
     if (folder == nullptr) return;

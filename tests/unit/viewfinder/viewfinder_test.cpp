@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sink with SDL's driver that shows nothing: keys, the end of a run, frames that come or not.
+// The sink with SDL's dummy driver: keys, the end of a run, frames that come or not.
 #include "host/output/viewfinder/viewfinder.h"
 
 #include <atomic>
@@ -57,7 +57,7 @@ class ViewfinderTest : public ::testing::Test {
   std::unique_ptr<FakeSource> source_;
 };
 
-/// At pixel 12, 34 of the picture.
+/// Sends a click at pixel (12, 34) of the picture.
 bool click() {
   SDL_Event event{};
   event.type = SDL_MOUSEBUTTONDOWN;

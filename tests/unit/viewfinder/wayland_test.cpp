@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 bool has_weston() { return std::system("command -v weston >/dev/null 2>&1") == 0; }
 
-/// Its socket is in a folder of its own, which is XDG_RUNTIME_DIR from then on.
+/// A Weston server whose socket is in its own folder, which becomes XDG_RUNTIME_DIR.
 class Weston {
  public:
   explicit Weston(const std::string& display) {

@@ -27,7 +27,7 @@ inline bool has_made_picture(const Image<Rgb8>& screen, int left, int top) {
 
 class WindowTest : public ::testing::Test {
  protected:
-  /// `driver` and `renderer` are SDL's names.
+  /// Opens the viewfinder; `driver` and `renderer` are SDL's names.
   void open_window(const char* driver, const char* renderer, bool shares) {
     setenv("SDL_VIDEODRIVER", driver, 1);
     setenv("SDL_RENDER_DRIVER", renderer, 1);
@@ -36,7 +36,7 @@ class WindowTest : public ::testing::Test {
     ASSERT_TRUE(made) << to_line(made.error());
     sink_ = *std::move(made);
   }
-  /// The gles back end, in the window's context.
+  /// Makes a gles compositor in the window's context.
   void make_compositor() {
     ASSERT_NE(sink_->share().display, nullptr) << "SDL's OpenGL ES is of version 3";
     const render::CompositorSetup setup = test::plain_setup(kMadeSize, 150, {40, 30}, 37);
@@ -44,7 +44,8 @@ class WindowTest : public ::testing::Test {
     ASSERT_TRUE(made) << to_line(made.error());
     compositor_ = *std::move(made);
   }
-  /// A picture of that compositor, which is the plate: no object, no background.
+  /// A composite by the compositor above: the plate moved by `shift` columns, since there is
+  /// neither object nor background.
   output::CompositePtr composited(int shift) {
     auto made = made_composite(1, clock_.now());
     Image<Rgb8> plate(kMadeSize);
@@ -59,7 +60,7 @@ class WindowTest : public ::testing::Test {
     EXPECT_TRUE(made->images.color.empty()) << "it is not read back";
     return made;
   }
-  /// Before the display server, which the derived class holds, goes away.
+  /// Runs before the derived class ends the display server.
   void TearDown() override {
     if (compositor_ && sink_) {
       compositor_.reset();  // before the window

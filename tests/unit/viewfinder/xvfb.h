@@ -16,14 +16,14 @@ inline constexpr Size kScreen{640, 480};
 
 inline bool has_xvfb() { return std::system("command -v Xvfb >/dev/null 2>&1") == 0; }
 
-/// A server on a display that it finds free.
+/// An X server on a display that it finds free.
 class Xvfb {
  public:
   Xvfb()
       : server_({"Xvfb", "-displayfd", "1", "-screen", "0", "640x480x24", "-fbdir",
                  folder_.path().string(), "-nolisten", "tcp", "-nocursor"},
                 120, (folder_ / "display").string(), (folder_ / "errors").string()) {}
-  /// ":7"; empty where it does not start.
+  /// Name of the display, such as ":7"; empty where the server does not start.
   std::string display() const {
     std::string number;
     test::comes_true([&] {

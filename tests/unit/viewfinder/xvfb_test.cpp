@@ -23,7 +23,7 @@ class XvfbTest : public WindowTest {
     setenv("DISPLAY", display.c_str(), 1);
     open_window("x11", renderer, shares);
   }
-  /// Where the window has the composite, pixel by pixel; the middle of the screen.
+  /// Whether the window shows the composite, pixel by pixel, in the middle of the screen.
   bool shows_the_composite() const {
     const Image<Rgb8> screen = server_->screen();
     if (screen.size() != kScreen) return false;

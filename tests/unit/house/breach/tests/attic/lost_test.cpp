@@ -1,2 +1,2 @@
 // SPDX-License-Identifier: Apache-2.0
-// In no CMakeLists.txt: what house.listed must find.
+// This file is in no CMakeLists.txt: house.listed must find it.
