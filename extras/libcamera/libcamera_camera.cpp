@@ -200,7 +200,10 @@ Result<void> LibcameraCamera::configure() {
                 checked_layout(code, stream.size.width, stream.size.height, planes));
   described.sample_bits = layout.sample_bits;
   if (pool_ && layout.picture_bytes != layout_.picture_bytes)
-    return Error{ErrorCode::kDevice, info_.uri + ": a different camera was plugged in"};
+    return Error{
+        ErrorCode::kDevice,
+        info_.uri +
+            ": a different camera was plugged in: plug the first one in again, or restart mixrig"};
   layout_ = layout;
   if (!pool_) info_ = described;  // callers hold references to it: not changed after open()
   return {};

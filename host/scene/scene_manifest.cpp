@@ -190,7 +190,7 @@ Light read_light(const Table& table) {
     light.lamps.push_back(read_lamp(lamp, light.lamps.size() + 1));
   light.find_lamps = table.one_of("lamps", {"given", "find"}, 0) == 1;
   if (light.find_lamps && !light.lamps.empty())
-    table.fail("lamps", "\"find\" beside [[light.lamp]]: which lamps? remove one of the two");
+    table.fail("lamps", "\"find\" beside [[light.lamp]]: both give lamps, remove one of the two");
   return light;
 }
 

@@ -62,7 +62,8 @@ Result<nlohmann::json> place_map(const MapRoomOptions& options) {
   if (map.keys.front().grey.size() != geometry::size_px(camera.model))
     return Error{ErrorCode::kData, options.map.string() +
                                        ": was learned from pictures of another size than the "
-                                       "calibration is of"};
+                                       "calibration: calibrate at that size, or learn the map "
+                                       "again"};
   Crew crew(options.threads);
   tracking::TrackerOptions tracking = options.tracker;
   tracking.distance_sigma = room.manifest.distance_sigma;

@@ -71,7 +71,9 @@ Result<Followed> follow_take(const MapTrackOptions& options, TrackedCamera by,
   }
   if (followed.track.pictures.empty())
     return Error{ErrorCode::kData,
-                 options.take.string() + ": has no pictures of the camera that learned the map"};
+                 options.take.string() +
+                     ": has no pictures of the camera that learned the map: record it "
+                     "with that camera in rig.toml"};
   followed.track.counts = tracker.counts();
   return followed;
 }

@@ -116,7 +116,8 @@ Result<Plan> make_plan(Session& session, const PlanOptions& options, const Clock
   parts.sinks.push_back(std::move(sink));
   MIXRIG_TRY(run(session, run_options, clock, progress, std::move(parts)));
   if (!plan.people.first_pose)
-    return Error{ErrorCode::kData, "plan: no frame has a pose of the camera"};
+    return Error{ErrorCode::kData,
+                 "plan: no frame has a pose of the camera: give camera.pose in the scene"};
   const std::vector<plan::RoomPoint> points = room_points(session, *plan.people.first_pose);
   const plan::FloorMap map = plan::map_floor(points);
   plan.free_m2 = map.free_m2();

@@ -34,7 +34,7 @@ std::string people_reason(const scene::Scene& scene, bool physics) {
 std::string touch_reason(const scene::Scene& scene, bool physics) {
   if (!scene.events && !physics) return "not run: the scene has neither [events] nor physics";
   std::string reason = "who touches " + number_of_objects(scene.objects.size()) +
-                       ", beside the frames; told in events.jsonl";
+                       ", beside the frames; written to events.jsonl";
   if (!scene.events) return reason;
   if (!scene.events->udp.empty()) reason += ", as JSON to " + scene.events->udp;
   if (!scene.events->osc.empty()) reason += ", as OSC to " + scene.events->osc;

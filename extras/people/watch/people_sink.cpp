@@ -2,6 +2,7 @@
 #include "extras/people/watch/people_sink.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <utility>
 
@@ -16,7 +17,8 @@ Result<std::unique_ptr<PeopleSink>> PeopleSink::create(
     const std::optional<std::filesystem::path>& folder, const plan::PeopleOptions& options,
     PeopleReport& report) {
   std::unique_ptr<PeopleSink> sink(new PeopleSink(folder, options, report));
-  if (!sink->table_) return Error{ErrorCode::kIo, "cannot write " + sink->file_.string()};
+  if (!sink->table_)
+    return system_error(ErrorCode::kIo, "cannot write '" + sink->file_.string() + "'", errno);
   return sink;
 }
 
@@ -53,7 +55,7 @@ Result<void> PeopleSink::write(const output::CompositePtr& composite) {
   dwell(people, time_s);
   if (touch_) MIXRIG_TRY(touch_->see(*composite, people, time_s));
   if (composite->true_people) judge(people, *composite, time_s);
-  if (!table_) return Error{ErrorCode::kIo, "cannot write " + file_.string()};
+  if (!table_) return system_error(ErrorCode::kIo, "cannot write '" + file_.string() + "'", errno);
   return {};
 }
 
@@ -103,7 +105,7 @@ void PeopleSink::judge(std::span<const plan::Person> people, const output::Compo
 Result<void> PeopleSink::finish() {
   if (touch_) MIXRIG_TRY(touch_->finish());
   if (!file_.empty()) table_.close();
-  if (!table_) return Error{ErrorCode::kIo, "cannot write " + file_.string()};
+  if (!table_) return system_error(ErrorCode::kIo, "cannot write '" + file_.string() + "'", errno);
   for (auto& [id, path] : paths_) report_.people.push_back(std::move(path));
   if (is_judged_) report_.error = judge_.errors();
   return {};

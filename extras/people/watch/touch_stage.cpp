@@ -2,6 +2,7 @@
 #include "extras/people/watch/touch_stage.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -43,7 +44,8 @@ Result<std::unique_ptr<TouchStage>> TouchStage::create(
   if (folder) {
     stage->file_ = *folder / kFile;
     stage->lines_.open(stage->file_);
-    if (!stage->lines_) return Error{ErrorCode::kIo, "cannot write " + stage->file_.string()};
+    if (!stage->lines_)
+      return system_error(ErrorCode::kIo, "cannot write '" + stage->file_.string() + "'", errno);
   }
   MIXRIG_ASSIGN(stage->out_, EventOut::open(session.scene));
   return stage;
@@ -106,7 +108,8 @@ Result<void> TouchStage::tell(std::span<const touch::Event> events) {
     if (!file_.empty()) lines_ << text << '\n' << std::flush;
     out_->tell(event, text);
   }
-  if (!file_.empty() && !lines_) return Error{ErrorCode::kIo, "cannot write " + file_.string()};
+  if (!file_.empty() && !lines_)
+    return system_error(ErrorCode::kIo, "cannot write '" + file_.string() + "'", errno);
   return {};
 }
 
@@ -115,7 +118,7 @@ Result<void> TouchStage::finish() {
   report_.json = out_->json_counts(), report_.osc = out_->osc_counts();
   if (file_.empty()) return {};
   lines_.close();
-  if (!lines_) return Error{ErrorCode::kIo, "cannot write " + file_.string()};
+  if (!lines_) return system_error(ErrorCode::kIo, "cannot write '" + file_.string() + "'", errno);
   return {};
 }
 

@@ -76,7 +76,7 @@ Result<void> check_view_board(const BoardSpec& board) {
   if (board.kind == BoardKind::kAprilgrid)
     return Error{ErrorCode::kUsage,
                  "--board " + board_text(board) +
-                     ": an AprilGrid is of calibrate intrinsics alone: use a checkerboard or a "
+                     ": an AprilGrid is for calibrate intrinsics alone: use a checkerboard or a "
                      "ChArUco board"};
   if (board.kind == BoardKind::kCheckerboard && (board.columns + board.rows) % 2 == 0)
     return Error{ErrorCode::kUsage,

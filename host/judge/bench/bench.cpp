@@ -137,7 +137,7 @@ nlohmann::json to_json(const std::vector<Rung>& rungs) {
 std::string to_table(const std::vector<Rung>& rungs) {
   std::string out = fmt::format(
       "{:<13} {:<15} {:>8} {:>8} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} | contested {:>6} {:>8}\n",
-      "knob", "rung", "p50 ms", "p95 ms", "depth bad", "key iou", "order", "shadow", "object",
+      "knob", "level", "p50 ms", "p95 ms", "depth bad", "key iou", "order", "shadow", "object",
       "PSNR dB", "iou", "PSNR dB");
   for (const Rung& rung : rungs) {
     out += fmt::format("{:<13} {:<15} {:>8.1f} {:>8.1f}", rung.knob, rung.name, p50_ms(rung),

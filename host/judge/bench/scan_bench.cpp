@@ -104,7 +104,7 @@ nlohmann::json to_json(const std::vector<ScanRung>& rungs) {
 
 std::string to_table(const std::vector<ScanRung>& rungs) {
   std::string out = fmt::format(
-      "{:<9} {:<13} {:>6} {:>13} {:>13} {:>13} {:>13} {:>7} {:>9} {:>13}\n", "knob", "rung",
+      "{:<9} {:<13} {:>6} {:>13} {:>13} {:>13} {:>13} {:>7} {:>9} {:>13}\n", "knob", "level",
       "CPU s", "width", "depth", "height", "surface 50 95", "> 20 %", "triangles", "mesh mean 95");
   const auto pair = [](double a, double b) { return fmt::format("{:6.2f} {:6.2f}", a, b); };
   for (const ScanRung& r : rungs) {

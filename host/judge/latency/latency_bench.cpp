@@ -163,7 +163,8 @@ Result<LatencyReport> run_latency(LatencyBench& bench, std::unique_ptr<output::C
   report.period_ms = 1e3 / bench.session->source->info().rate_hz;
   MIXRIG_ASSIGN(report.run, run(*bench.session, options, clock, {}, std::move(parts)));
   if (bench.log.frames.empty())
-    return Error{ErrorCode::kData, "no frame was shown: the delay is not known"};
+    return Error{ErrorCode::kData,
+                 "no frame was shown, so the delay is not known: give a longer take"};
   std::vector<measure::Sample> seen;
   for (const output::ShownFrame& frame : bench.log.frames) {
     const auto ms = [](Duration time) { return static_cast<float>(milliseconds(time)); };

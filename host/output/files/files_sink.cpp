@@ -112,8 +112,10 @@ Result<void> FilesSink::write_row(const Composite& composite) {
                         cell(composite.slip_px), cell(composite.slip_sigma_px),
                         lens_columns_ ? lens_cells(composite) : std::string());
   if (table_) return {};
-  return Error{ErrorCode::kIo, "cannot write '" + (folder_ / "frames.csv").string() +
-                                   "': check the disk's free space"};
+  return system_error(
+      ErrorCode::kIo,
+      "cannot write '" + (folder_ / "frames.csv").string() + "': check the disk's free space",
+      errno);
 }
 
 Result<void> FilesSink::write_layers(const render::FrameOutput& images) {

@@ -73,7 +73,7 @@ Result<std::unique_ptr<StreamSink>> StreamSink::create(const scene::StreamOut& o
   constexpr double kSlowest_hz = 0.5;
   if (plan.timecode && rate_hz >= kSlowest_hz) sink->timecode_.emplace(rate_hz, day_at_zero);
   if (!plan.caps.empty())
-    log_info("output", "stream_out \"" + out.uri + "\": its reader must be told " + plan.caps);
+    log_info("output", "stream_out \"" + out.uri + "\": its reader needs the caps " + plan.caps);
   return sink;
 }
 

@@ -73,7 +73,7 @@ Result<Sight> sight_of(const SeenMarker& marker, const ExternalInput& input) {
   Sight sight{marker.measured_m, std::nullopt};
   if (marker.pixel_px) {
     if (!input.camera)
-      return Error{ErrorCode::kFormat, "a marker has a pixel_px, but there is no [camera]"};
+      return Error{ErrorCode::kFormat, "a marker has a pixel_px, but there is no [camera]: add it"};
     sight.bearing = std::visit(
         [&](const auto& camera) {
           return estimation::bearing_of(camera, *marker.pixel_px, input.sigma_px);
@@ -87,7 +87,8 @@ Result<Sight> sight_of(const SeenMarker& marker, const ExternalInput& input) {
   if (marker.is_depth && sight.bearing) sight.distance_m /= sight.bearing->direction.z();
   sight.distance_m += input.range_offset_m;
   if (!(sight.distance_m > 0))
-    return Error{ErrorCode::kData, "range_offset_m leaves a distance that is not positive"};
+    return Error{ErrorCode::kData,
+                 "range_offset_m leaves a distance that is not positive: correct it"};
   return sight;
 }
 

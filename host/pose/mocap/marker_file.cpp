@@ -141,7 +141,7 @@ Result<std::vector<stream::NatNetFrame>> parse_mocap_csv(std::string_view text,
     add_line(line, *columns, frames);
     if (!line.broken.empty())
       return Error{ErrorCode::kFormat, name + ":" + std::to_string(number) + ": column " +
-                                           line.broken + " holds no number"};
+                                           line.broken + " holds no number: correct it"};
   }
   if (!columns)
     return Error{ErrorCode::kFormat, name + ":1: empty: the first line must name the columns"};

@@ -38,7 +38,8 @@ Result<void> check_size(const TakePicture& picture, const geometry::AnyCamera& c
   const Size is = picture.image->size(), wanted = geometry::size_px(camera);
   if (is == wanted) return {};
   return Error{ErrorCode::kData,
-               fmt::format("{}: pictures of {}x{}, but the camera was calibrated with {}x{}",
+               fmt::format("{}: pictures of {}x{}, but the camera was calibrated with {}x{}: "
+                           "calibrate it at that size",
                            take.string(), is.width, is.height, wanted.width, wanted.height)};
 }
 

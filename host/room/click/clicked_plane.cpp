@@ -254,13 +254,13 @@ std::string_view text_of(ClickRefusal refusal) {
     case ClickRefusal::kUnknown:
       return "the depth is unknown there (glass, black, or too far): click beside it";
     case ClickRefusal::kEdge:
-      return "several surfaces meet there: click farther from the edge, or give a smaller --rect";
+      return "several surfaces meet there: click farther from the edge";
     case ClickRefusal::kNotFlat:
-      return "it is not flat there (an edge, a person, hair): click on a table, the floor "
-             "or "
+      return "it is not flat there (an edge, a person, hair): click on a table, the floor or "
              "a wall";
     case ClickRefusal::kGrazing:
-      return "the camera sees the surface from its edge: its direction is not determined";
+      return "the camera sees the surface from its edge, which leaves its direction open: click on "
+             "another surface, or move the camera";
     case ClickRefusal::kSmall:
       return "the flat part is smaller than 10 x 10 cm: click on a larger surface";
   }

@@ -31,7 +31,7 @@ struct Explanation {
   std::string scene, source, backend, renderer;
   std::string calibration;  ///< which calibration is used, and why
   std::string camera;       ///< source of the camera's pose
-  std::string rungs;        ///< quality levels in use, such as "key refined, light people"
+  std::string levels;       ///< quality levels in use, such as "key refined, light people"
   std::optional<QualityChoice> quality{};  ///< set if they follow from a budget
   int frames = 0;                          ///< frames composited for the measurement
   double frame_p50_ms = 0, rss_mb = 0;

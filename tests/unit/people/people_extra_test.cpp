@@ -39,7 +39,7 @@ TEST_F(PeopleExtraTest, SaysWhyPeopleAreFollowedAndWhoIsTold) {
   session_.scene.events = {"127.0.0.1:7420", "127.0.0.1:7421", true};
   EXPECT_EQ(pass("people").why, "people are followed for [people] and [events], beside the frames");
   EXPECT_EQ(pass("touch").why,
-            "who touches 0 objects, beside the frames; told in events.jsonl, as JSON to "
+            "who touches 0 objects, beside the frames; written to events.jsonl, as JSON to "
             "127.0.0.1:7420, as OSC to 127.0.0.1:7421, with the places of people");
   EXPECT_GT(pass("people").p50_ms, 0);
   EXPECT_GT(pass("touch").p50_ms, 0);

@@ -44,7 +44,9 @@ Result<MapJoin> join(const LearnedMap& first, const LearnedMap& second) {
                              kPercent * join.scale_sigma)};
   const auto poses = common_poses(first, second, join.alignment);
   if (poses.empty())
-    return Error{ErrorCode::kData, "the maps cannot be joined: they have no time in common"};
+    return Error{
+        ErrorCode::kData,
+        "the maps cannot be joined: they have no time in common: learn both from one take"};
   Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();
   for (const auto& [a, b] : poses)
     cross += (a.rotation * join.alignment.a_from_b * b.rotation.conjugate()).toRotationMatrix();

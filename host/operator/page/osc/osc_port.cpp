@@ -9,9 +9,9 @@
 #include <boost/asio/error.hpp>
 #include <boost/asio/ip/address.hpp>
 
-#include "host/output/datagrams/osc.h"
 #include "host/operator/page/hub.h"
 #include "host/operator/page/osc/osc_commands.h"
+#include "host/output/datagrams/osc.h"
 
 namespace mixrig::page {
 
@@ -34,8 +34,8 @@ Result<void> OscPort::open(const Listen& listen) {
   if (!error) socket_.non_blocking(true, error);
   if (error)
     return system_error(ErrorCode::kIo,
-                        "cannot take OSC at " + listen.address + ":" + std::to_string(listen.port) +
-                            ": choose another one by --osc-in",
+                        "cannot receive OSC at " + listen.address + ":" +
+                            std::to_string(listen.port) + ": choose another one by --osc-in",
                         error.value());
   port_ = socket_.local_endpoint().port();
   if (!wanted.address().is_loopback())

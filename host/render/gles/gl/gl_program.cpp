@@ -66,8 +66,8 @@ Result<ProgramHandle> build(NamedStages stages) {
   glGetProgramiv(program.get(), GL_INFO_LOG_LENGTH, &log_size);
   std::string log(static_cast<std::size_t>(log_size), '\0');
   glGetProgramInfoLog(program.get(), log_size, nullptr, log.data());
-  return Error{ErrorCode::kDevice,
-               "shader " + names_of(stages) + " does not link: " + one_line(log)};
+  return Error{ErrorCode::kDevice, "shader " + names_of(stages) + " does not link (" +
+                                       one_line(log) + "): use --backend cpu"};
 }
 
 std::string driver_text(GLenum what) {
@@ -149,8 +149,9 @@ Result<ShaderHandle> compile(GLenum kind, std::string_view text, std::string_vie
   glGetShaderiv(shader.get(), GL_INFO_LOG_LENGTH, &log_size);
   std::string log(static_cast<std::size_t>(log_size), '\0');
   glGetShaderInfoLog(shader.get(), log_size, nullptr, log.data());
-  return Error{ErrorCode::kDevice, "shader " + std::string(name) + " does not compile: " +
-                                       one_line(shaders::name_files(log, files))};
+  return Error{ErrorCode::kDevice, "shader " + std::string(name) + " does not compile (" +
+                                       one_line(shaders::name_files(log, files)) +
+                                       "): use --backend cpu"};
 }
 
 Result<Program> make_program(std::string_view vertex_stage, std::string_view fragment_stage) {
