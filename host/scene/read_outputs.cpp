@@ -42,7 +42,7 @@ std::optional<FocusSettings> read_focus(const config::Table& table) {
     focus.pixel = {static_cast<int>(std::lround(at[0])), static_cast<int>(std::lround(at[1]))};
   }
   if (by_pixel == table.has("distance_m"))
-    table.fail("distance_m", "give either distance_m or pixel, which of them is sharp");
+    table.fail("distance_m", "give either distance_m or pixel, not both");
   focus.distance_m = table.number_or("distance_m", 0, {0.01, 1e4});
   focus.f_number = table.number_or("f_number", focus.f_number, {0.5, 128});
   focus.sensor_width_mm = table.number_or("sensor_width_mm", focus.sensor_width_mm, {0.1, 1000});

@@ -224,7 +224,7 @@ Background read_background(const Table& table, const std::filesystem::path& fold
               "places a scanned room, and there is none: give model, or remove it");
   background.open_walls = table.one_of("walls", {"closed", "open"}, 0) == 1;
   if (table.present() && !background.learn && !background.model && !table.has("walls"))
-    table.fail("learn", "give learn or model; of a scanned room both");
+    table.fail("learn", "give learn, model, or both for a scanned room");
   return background;
 }
 
@@ -254,7 +254,7 @@ Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& pa
   const bool keys = scene.background.learn || scene.background.model || scene.capture_volume;
   if (scene.set && !keys)
     root.fail("set",
-              "nothing tells people from the room that it replaces: give camera.capture_volume, or "
+              "people cannot be separated from the background: give camera.capture_volume, or "
               "a background to learn");
   for (const Table& object : root.tables("object"))
     scene.objects.push_back(read_object(object, scene.objects.size() + 1, folder, load_models));

@@ -24,7 +24,7 @@ Option add_number(CLI::App* app, const std::string& name, T& value, const std::s
 
 /// Refuses an empty text, which an unset variable of a shell gives.
 std::string refuse_what_is_empty(const std::string& text) {
-  return text.empty() ? "an empty text is no value" : std::string();
+  return text.empty() ? "the value must not be empty" : std::string();
 }
 
 template <typename T>

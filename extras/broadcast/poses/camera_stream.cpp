@@ -171,7 +171,7 @@ class CameraStream final : public capture::PoseSource {
     while (!stop_) {
       const auto sample = input_.next(clock_);
       if (!sample)
-        return log_warning("pose", to_line(sample.error()) + ": no more poses come from it");
+        return log_warning("pose", to_line(sample.error()) + ": no more poses are received");
       if (*sample) track_.add((*sample)->time_s, (*sample)->seen, clock_.now());
       const std::lock_guard lock(mutex_);
       state_ = input_.state();

@@ -130,7 +130,7 @@ void use_lens(const calibration_file::CalibratedCamera& target, SourceInfo& info
   else if (target.lens)
     log_warning("capture", info.name +
                                ": the lens is calibrated by its encoders, but their values "
-                               "are not recorded: it is taken as cameras.target says");
+                               "are not recorded: cameras.target is used for every frame");
   else
     warn_without_table(info);
 }

@@ -101,7 +101,7 @@ Result<void> check_bytes(const Frame& frame) {
   const std::size_t whole = device::image_bytes(frame.format, frame.size, frame.stride_bytes);
   if (row == 0 || frame.stride_bytes < row || whole == 0 ||
       frame.bytes.size() + frame.stride_bytes < whole + row)
-    return Error{ErrorCode::kData, "a camera picture is shorter than its size says: dropped"};
+    return Error{ErrorCode::kData, "a camera picture has fewer bytes than its size needs: dropped"};
   return {};
 }
 

@@ -93,7 +93,7 @@ Result<std::unique_ptr<capture::CaptureSource>> open_rig(
   if (scene.pose_source == scene::PoseSource::kTracker && live::fisheye_index(rig) == 0)
     return Error{ErrorCode::kFormat, scene.path.string() + ": camera.pose: \"tracker\", but " +
                                          rig_toml.string() +
-                                         " has no fisheye: add a further [[camera]] with name = "
+                                         " has no fisheye: add another [[camera]] with name = "
                                          "\"fisheye\""};
   MIXRIG_ASSIGN(live::Devices devices,
                 live::open_devices(rig, device_opener(rig, kinds, clock, play)));

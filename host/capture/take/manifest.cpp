@@ -26,7 +26,7 @@ StreamInfo read_stream(const Table& table) {
   if (table.present() && counted && !is_matroska(stream))
     if (const auto name = NumberedName::parse(stream.path); !name) table.fail("path", name.error());
   if (is_matroska(stream) && stream.rate_hz <= 0)
-    table.fail("rate_hz", "missing: a Matroska stream is read by its rate, add it");
+    table.fail("rate_hz", "missing: a Matroska stream needs rate_hz: add it");
   return stream;
 }
 

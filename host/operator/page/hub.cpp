@@ -55,7 +55,7 @@ void Hub::act(Action action, std::function<void(Result<void>)> done) {
   auto* command = std::get_if<Command>(&action);
   constexpr int kMostAtWork = 64;
   if (at_work >= kMostAtWork)
-    return done(Error{ErrorCode::kData, "64 changes wait to be made: send them more slowly"});
+    return done(Error{ErrorCode::kData, "64 changes are waiting: send them more slowly"});
   ++at_work;
   boost::asio::post(work, [this, command = std::move(*command), done = std::move(done)]() mutable {
     auto result = std::make_shared<Result<void>>(applied(op, command));

@@ -162,7 +162,7 @@ std::optional<Answer> refuse(const Guard& guard, const Request& request) {
   if (request.method == Method::kOther)
     return refusal(405, "only GET, PUT, POST and DELETE are served");
   if (is_change(request.method) && !is_own_type(request.content_type))
-    return refusal(415, "a change is asked for with Content-Type: application/json");
+    return refusal(415, "changes need Content-Type: application/json");
   return std::nullopt;
 }
 

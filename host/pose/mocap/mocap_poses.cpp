@@ -52,7 +52,7 @@ class MocapPoses final : public capture::PoseSource {
       const auto frame = receiver_.next(kLook);
       if (!frame)
         return log_warning(
-            "pose", "motion capture: " + to_line(frame.error()) + ": no more poses come from it");
+            "pose", "motion capture: " + to_line(frame.error()) + ": no more poses are received");
       if (*frame) track_.add(**frame, clock_.now());
       track_.set_packets(receiver_.counts());
     }

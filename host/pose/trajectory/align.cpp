@@ -44,11 +44,11 @@ std::string fault_of(const std::vector<Solution>& solutions, double window_s) {
   const double turn_rad = axis_spread(best.rows).turn_rad[2];
   if (turn_rad < kLeastTurn_rad) return "the bodies hardly turn: nothing to align by";
   if (best.residual_rad > 0.5 * turn_rad)
-    return "the rotations do not belong together: no offset makes them agree";
+    return "the rotations do not match: no offset makes them agree";
   for (const Solution& other : solutions)
     if (std::abs(other.state.offset_s - best.state.offset_s) > window_s / 2 &&
         other.residual_rad < 1.1 * best.residual_rad)
-      return "two time offsets fit alike: the motion repeats itself";
+      return "two time offsets fit equally well: the motion repeats itself";
   return {};
 }
 

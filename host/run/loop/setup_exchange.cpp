@@ -52,7 +52,7 @@ void SetupExchange::exchange(std::unique_ptr<render::Compositor>& compositor,
 
 /// Refuses a setup; requests that came meanwhile stay due.
 void SetupExchange::refuse(const Error& error) {
-  log_warning("session", to_line(error) + ": the run goes on with what it had before");
+  log_warning("session", to_line(error) + ": the run keeps its previous setup");
   const auto shown_background = in_use_ ? in_use_->background : nullptr;
   const EditedScenePtr shown_scene = in_use_ ? in_use_->scene : nullptr;
   if (tried_scene_ != shown_scene) ++refused_scenes_;

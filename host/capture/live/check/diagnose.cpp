@@ -283,7 +283,7 @@ std::vector<Check> diagnose(const RigConfig& rig, DeviceOpener opener,
     watch(opened, options, clock, checks);
   if (options.grey_card && !opened.target_open)
     checks.push_back({"host", "card", Verdict::kFail, "not measured",
-                      "the target camera could not be opened: see its line"});
+                      "the target camera could not be opened: see its line in this table"});
   check_disk(options.disk, checks);
   return checks;
 }

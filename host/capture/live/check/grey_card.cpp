@@ -175,7 +175,7 @@ Check transfer_row(const CameraConfig& config, const device::CameraInfo& info,
           "rig.toml, then run it again";
       break;
     case Kind::kNoEffect:
-      check.advice = "the picture does not follow the exposure that is set";
+      check.advice = "the brightness does not change with the exposure";
       break;
   }
   return check;

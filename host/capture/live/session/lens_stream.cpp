@@ -36,7 +36,8 @@ void LensStream::listen() {
   while (!stop_) {
     const auto encoders = receiver_->next(kLook);
     if (!encoders) {
-      log_warning("live", "lens: " + encoders.error().context + ": its values end here");
+      log_warning("live",
+                  "lens: " + encoders.error().context + ": no more lens values are received");
       return;
     }
     if (*encoders) keep(**encoders);

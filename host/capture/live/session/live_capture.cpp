@@ -80,9 +80,10 @@ Result<void> describe_fisheye(const RigConfig& config, const Devices& devices,
   info.fisheye_rate_hz = fisheye_rate_hz(config, devices);
   info.fisheye.emplace().rate_hz = info.fisheye_rate_hz;
   if (info.fisheye_rate_hz > 0) return {};
-  return Error{ErrorCode::kUsage, config.file.string() +
-                                      ": the fisheye does not say its rate: give it a rate_hz or a "
-                                      "trigger_line"};
+  return Error{ErrorCode::kUsage,
+               config.file.string() +
+                   ": the fisheye does not report its frame rate: give it a rate_hz or a "
+                   "trigger_line"};
 }
 
 /// Returns the delay of a triggered camera's stamp after that of the colour camera; 0 if unknown.

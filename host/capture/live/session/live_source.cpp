@@ -111,7 +111,7 @@ bool LiveSource::waits_on() {
       color == device::DeviceState::kStreaming || color == device::DeviceState::kLost;
   if (when_lost_ == WhenLost::kEnd || !first_ || !returns) return false;
   if (!std::exchange(silent_, true))
-    log_warning("live", silence().context + "; it is waited for, Ctrl-C ends the run");
+    log_warning("live", silence().context + "; waiting for it; Ctrl-C ends the run");
   return true;
 }
 

@@ -83,7 +83,7 @@ Result<void> ExposureBracket::set(double exposure_s) {
 
 void ExposureBracket::give_up(const std::string& why) {
   given_up_ = true;
-  log_warning("scan", why + ": the room keeps the light of one exposure from here on");
+  log_warning("scan", why + ": further views are scanned at one exposure only");
 }
 
 Result<ExposureBracket::Step> ExposureBracket::collect(SweepRig& rig, double ratio,

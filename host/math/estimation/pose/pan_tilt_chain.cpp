@@ -217,7 +217,8 @@ Estimate<PanTiltCalibration> calibrate_pan_tilt(ChainViews views, double angle_s
 
   const auto ideal = ideal_chain(views, scale_m);
   if (!ideal.usable())
-    return Answer::degenerate("no camera on a pan-tilt unit sees this: " + ideal.verdict.reason);
+    return Answer::degenerate("the views do not fit a camera on a pan-tilt unit: " +
+                              ideal.verdict.reason);
   PanTiltCalibration start;
   start.chain.head_from_camera = ideal.value.hand_from_eye;
   start.base_from_target = ideal.value.world_from_target;
