@@ -8,6 +8,7 @@
 //   line, people of key_lines.frag, bilinear over the centres of tiles
 //   learned      background colour, linear, red negative where unknown
 //   w            1/m, negative where a cut cell drew it; 0 unknown
+//   light        of key_light.frag, for a still camera
 //   plate_before, matte_before  of the frame before; motion_px of each cell since then
 //   matte        people, 0..1
 //   visible_w    inverse depth of the visible real surface, 1/m, 0 unknown
@@ -28,7 +29,8 @@ layout(binding = 8) uniform sampler2D learned;
 layout(binding = 9) uniform sampler2D plate_before;
 layout(binding = 10) uniform sampler2D matte_before;
 layout(binding = 11) uniform sampler2D motion_px;
-uniform bool refine, has_learned, has_before;
+layout(binding = 12) uniform sampler2D light;
+uniform bool refine, has_learned, has_before, has_light;
 uniform int cell_px, reach_px;
 uniform float before_share, alike;
 uniform int tile_px;
@@ -45,13 +47,22 @@ vec4 of_tiles(sampler2D tiles, ivec2 at) {
   return mix(above, below, f.y);
 }
 
+// Light of the room now: the learned one or, where that is nearer to the plate, the light found
+// around.
+vec3 room_now(ivec2 at, vec3 p, vec3 known) {
+  vec3 b = min(shown_now(known), 1.0);
+  if (!has_light) return b;
+  vec3 lit = texelFetch(light, at / block_px, 0).rgb * b;
+  return dot(p - lit, p - lit) < dot(p - b, p - b) ? lit : b;
+}
+
 // Mixes the people's share by the line with their share by both colours, by the latter's
 // confidence.
 float share_of_colors(ivec2 at, vec3 p, float share) {
   vec4 around = of_tiles(people, at);
   vec3 known = texelFetch(learned, at, 0).rgb;
   if (known.r < 0.0 || around.x < share_least) return share;
-  vec3 b = min(shown_now(known), 1.0), root = around.yzw / around.x, f = root * root;
+  vec3 b = room_now(at, p, known), root = around.yzw / around.x, f = root * root;
   vec3 apart = f - b, off = p - b;
   float by_colors = dot(off, apart) / max(dot(apart, apart), 1e-6);
   vec3 rest = off - by_colors * apart;

@@ -6,6 +6,7 @@
 //   learned       background colour, linear, red negative where unknown, and its sigma (0 where
 //                 not learned)
 //   band, person, room, person_deep  blocks, of key_band.frag
+//   light  of key_light.frag, for a still camera
 //   vote          within color_vote_cap, or up to brighter_vote_cap; drawn only where votes decide;
 //                 also whether people's colours cannot explain the pixel (common/key.glsl)
 #include "common/precision.glsl"
@@ -20,6 +21,7 @@ layout(binding = 3) uniform sampler2D band;
 layout(binding = 4) uniform sampler2D person;
 layout(binding = 5) uniform sampler2D room;
 layout(binding = 7) uniform sampler2D person_deep;  // unit 6 is that of blocks.vert
+layout(binding = 8) uniform sampler2D light;
 uniform bool has_learned, has_sigma, is_still;
 out float vote;
 
@@ -27,6 +29,38 @@ out float vote;
 float odds_of(vec3 p, vec4 color) {
   vec3 off = p - color.rgb;
   return -0.5 * dot(off, off) / color.a - spread_odds * log(color.a);
+}
+
+// Squared distance of a colour to the room's light now, over its variance, that variance, and
+// whether the colour is no shadow of people on the room.
+struct Room {
+  float square, variance;
+  bool no_shadow;
+};
+
+// darkest: what is darker than this factor of b is no shadow.
+Room to_room(vec3 p, vec3 b, float spread, float darkest) {
+  float variance = spread * spread + floor_variance(b);
+  // A shadow darkens the background without changing its hue.
+  float shade = dot(p, b) / max(dot(b, b), 1e-8), k = clamp(shade, darkest_shadow, 1.0);
+  vec3 off = p - k * b, other = p - clamp(shade, darkest, 1.0) * b;
+  float dark = (1.0 - k) / shadow_sigma;
+  bool is_brighter = luminance(p) > brighter * luminance(b) + brighter_light;
+  bool is_other = is_still && dot(other, other) > other_color * variance;
+  return Room(dot(off, off) / variance + dark * dark, variance, is_brighter || is_other);
+}
+
+// By the learned light or, where that is nearer, by the light found around.
+Room to_learned(vec3 p, vec3 known, float sigma, ivec2 block) {
+  vec3 b = min(shown_now(known), 1.0);
+  Room now = to_room(p, b, gain.g * sigma, deepest_shadow);
+  if (!is_still) return now;
+  vec3 lit_b = texelFetch(light, block, 0).rgb * b;
+  // The darkest shadow is relative to the learned light.
+  float darkest = min(deepest_shadow * luminance(b) / max(luminance(lit_b), 1e-4), 1.0);
+  Room lit = to_room(p, lit_b, gain.g * sigma, darkest);
+  if (lit.square < now.square) return lit;
+  return now;
 }
 
 void main() {
@@ -48,23 +82,18 @@ void main() {
   if (has_learned) {
     vec3 known = texelFetch(learned, at, 0).rgb;
     if (known.r < 0.0) return;  // unknown
-    vec3 b = min(shown_now(known), 1.0);
-    float spread = has_sigma ? gain.g * texelFetch(learned_sigma, at, 0).r : 0.0;
-    variance = spread * spread + floor_variance(b);
-    // A shadow darkens the background without changing its hue.
-    float shade = dot(p, b) / max(dot(b, b), 1e-8), k = clamp(shade, darkest_shadow, 1.0);
-    off = p - k * b;
-    float dark = (1.0 - k) / shadow_sigma;
-    background2 = dot(off, off) / variance + dark * dark;
-    vec3 other = p - clamp(shade, deepest_shadow, 1.0) * b;
-    bool is_brighter = luminance(p) > brighter * luminance(b) + brighter_light;
-    bool is_other = is_still && dot(other, other) > other_color * variance;
-    no_shadow = has_person && (is_brighter || is_other);
+    float sigma = has_sigma ? texelFetch(learned_sigma, at, 0).r : 0.0;
+    Room found = to_learned(p, known, sigma, block);
+    background2 = found.square;
+    variance = found.variance;
+    no_shadow = has_person && found.no_shadow;
   }
   float odds = 0.5 * background2 - color_vote_cap;
   if (has_person) {
     float person_odds = has_mean ? odds_of(p, vec4(texelFetch(person, block, 0).rgb, near.z)) : -1e9;
-    if (has_deep) person_odds = max(person_odds, odds_of(p, deep));
+    // Foreground around a pixel that shows the room may lie over the room itself.
+    bool by_deep = has_deep && is_still && background2 < surely_room;
+    if (has_deep) person_odds = by_deep ? odds_of(p, deep) : max(person_odds, odds_of(p, deep));
     odds = 0.5 * background2 + spread_odds * log(variance) + person_odds;
   }
   float cap = has_learned ? color_vote_cap : room_vote_cap;

@@ -30,7 +30,8 @@ std::map<std::string, double> shared_numbers() {
   static const std::regex kDefinition(
       R"(inline constexpr (?:int|float|double) k(\w+)\s*=\s*([^;]+);)");
   std::map<std::string, double> found;
-  for (const char* header : {"/host/render/contract/constants.h", "/hal/base/srgb.h"}) {
+  for (const char* header : {"/host/render/contract/constants.h", "/host/render/frame/room_light.h",
+                             "/hal/base/srgb.h"}) {
     std::ifstream file(std::getenv("MIXRIG_SOURCE") + std::string(header));
     EXPECT_TRUE(file) << header;
     const std::string text(std::istreambuf_iterator<char>(file), {});

@@ -366,6 +366,24 @@ TEST(Key, a_strip_of_the_room_under_peoples_depth_is_no_colour_of_people) {
   }
 }
 
+/// The wall beside who walks is darker than it was learned, by more than a shadow of colour votes.
+TEST(Key, a_strip_of_the_room_in_the_light_that_the_room_around_has_now_is_nobody) {
+  for (const auto& [light, is_person] :
+       {std::pair(Rgbf{0.32F, 0.34F, 0.37F}, false), std::pair(Rgbf{0.33F, 0.22F, 0.12F}, true)}) {
+    Keyed k;
+    k.person(8, 0, 44, 64);
+    k.paint(36, 0, 64, 64, {0.32F, 0.34F, 0.37F});
+    k.paint(8, 0, 36, 64, kShirt);
+    k.paint(36, 0, 48, 64, light);
+    k.run();
+    for (int y = 8; y < 56; ++y) {
+      EXPECT_TRUE(k.is_person(34, y)) << y;
+      EXPECT_EQ(k.is_person(39, y), is_person) << light.r << "," << y;
+      EXPECT_FALSE(k.is_person(52, y)) << y;
+    }
+  }
+}
+
 TEST(KeyLimit, is_the_nearest_background_around_less_the_threshold) {
   render::BackgroundView background;
   const auto depth = make_image<float>({9, 1}, [](int x, int) {

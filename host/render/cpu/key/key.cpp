@@ -152,7 +152,8 @@ KeyScratch::KeyScratch(Size view_size, float tof_footprint_px, int threads)
       state({blocks_size.width * kBlockPx, blocks_size.height * kBlockPx}, kBackground),
       alone(view_size, 0),
       votes(static_cast<std::size_t>(threads)),
-      refine(view_size, tof_footprint_px) {
+      refine(view_size, tof_footprint_px),
+      room_light(blocks_size) {
   for (KeyVotes& v : votes) v.set_footprint(tof_footprint_px);
 }
 
@@ -184,7 +185,10 @@ void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& v
   each_row([&](int by, int) {
     if (input.moving) draw_colors(scratch, by, input.tables.view_size, *input.moving);
     sample_blocks(input, view_w, by, scratch);
+    if (input.finds_light()) scratch.room_light.compare(input, scratch.planes, scratch.state, by);
   });
+  if (input.finds_light())
+    each_row([&](int by, int) { scratch.room_light.average(scratch.planes, by); });
   each_row([&](int by, int worker) {
     fill_others(scratch.planes, by, matte);
     KeyVotes& votes = scratch.votes[static_cast<std::size_t>(worker)];
@@ -192,7 +196,7 @@ void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& v
                [&](int b0, int b1) { votes.decide(input, b0, b1, by, scratch, matte); });
   });
   if (input.params.color && input.params.refine)
-    refine(crew, input, scratch.planes, scratch.refine, matte);
+    refine(crew, input, scratch.planes, scratch.room_light, scratch.refine, matte);
   if (input.before)
     join_before(crew, input.plate, scratch.planes, scratch.state, *input.before, matte);
   each_decided([&](int bx, int by) { find_alone(input, bx, by, matte, view_w, scratch); });

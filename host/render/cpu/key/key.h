@@ -10,6 +10,7 @@
 #include "host/render/cpu/key/key_blocks.h"
 #include "host/render/cpu/key/key_votes.h"
 #include "host/render/cpu/key/refine.h"
+#include "host/render/cpu/key/room_light.h"
 #include "host/render/cpu/key/steady.h"
 #include "host/render/cpu/plate/srgb.h"
 #include "host/render/tables/prepare.h"
@@ -46,6 +47,7 @@ struct KeyScratch {
   Image<std::uint8_t> alone;    ///< 1 where find_alone() marked a pixel, while a frame is keyed
   std::vector<KeyVotes> votes;  ///< one for each thread
   RefineScratch refine;
+  RoomLight room_light;
   Block& at(int x, int y) { return blocks[static_cast<std::size_t>(y * blocks_size.width + x)]; }
   const Block& at(int x, int y) const {
     return blocks[static_cast<std::size_t>(y * blocks_size.width + x)];
@@ -62,6 +64,8 @@ struct KeyInput {
   MovingBackground* moving = nullptr;  ///< if not null, draws the colours of `background` on demand
   const FrameBefore* before = nullptr;  ///< previous frame for the steady matte; null: unknown
   bool learned() const { return !background.color.empty(); }
+  /// Compares the room's light around people with the learned one.
+  bool finds_light() const { return params.color && learned() && moving == nullptr; }
   /// Estimates the room's colours beside people.
   bool needs_room() const { return params.color && !learned(); }
 };

@@ -6,6 +6,7 @@
 
 #include "host/render/cpu/color_lanes.h"
 #include "host/render/cpu/key/key_colors.h"
+#include "host/render/frame/room_light.h"
 
 namespace mixrig::render::cpu {
 namespace {
@@ -23,31 +24,51 @@ FloatLanes clamp(FloatLanes v, FloatLanes least, FloatLanes most) {
   return min(max(v, least), most);
 }
 
-/// Squared distance to the learned background over its variance, that variance, and the largest
-/// vote.
-struct LearnedDistance {
+/// Squared distance to the room over its variance, that variance, and the largest vote.
+struct RoomDistance {
   FloatLanes square, variance, most;
 };
 
-LearnedDistance to_learned(const KeyInput& input, const ColorLanes& p, const ColorLanes& learned,
-                           FloatLanes sigma) {
+/// `b`: the room's light now. `spread`: its standard deviation where it was learned. `darkest`:
+/// what is darker than this factor of b is no shadow.
+RoomDistance to_room(const KeyInput& input, const ColorLanes& p, const ColorLanes& b,
+                     FloatLanes spread, FloatLanes darkest) {
   constexpr FloatLanes kOne = FloatLanes{} + 1;
-  const ColorLanes b = shown_now(input.tone, learned);
   const FloatLanes light = luminance(b), floor = kColorNoise + kColorFlicker * light;
-  const FloatLanes spread = input.tone.gain.g * sigma;
   const FloatLanes variance = spread * spread + floor * floor;
   const FloatLanes shade = dot(p, b) / max(dot(b, b), FloatLanes{} + 1e-8F);
   const FloatLanes k = clamp(shade, FloatLanes{} + kDarkestShadow, kOne);
   const FloatLanes dark = (1 - k) / kShadowSigma;
   const ColorLanes d{p.r - k * b.r, p.g - k * b.g, p.b - k * b.b};
-  const FloatLanes deep = clamp(shade, FloatLanes{} + kDeepestShadow, kOne);
+  const FloatLanes deep = clamp(shade, darkest, kOne);
   const ColorLanes off{p.r - deep * b.r, p.g - deep * b.g, p.b - deep * b.b};
   const IntLanes brighter = luminance(p) > kBrighter * light + kBrighterLight;
   IntLanes no_shadow = brighter;
   if (!input.moving) no_shadow |= dot(off, off) > kOtherColor * variance;
-  FloatLanes most = no_shadow ? FloatLanes{} + kBrighterVoteCap : FloatLanes{} + kColorVoteCap;
-  most = learned.r < 0 ? FloatLanes{} : most;  // an unknown colour does not vote
+  const FloatLanes most =
+      no_shadow ? FloatLanes{} + kBrighterVoteCap : FloatLanes{} + kColorVoteCap;
   return {dot(d, d) / variance + dark * dark, variance, most};
+}
+
+/// By the learned light or, where that is nearer, by the light found around.
+RoomDistance to_learned(const KeyInput& input, const ColorLanes& p, const ColorLanes& learned,
+                        const ColorLanes& here, FloatLanes sigma) {
+  const ColorLanes b = shown_now(input.tone, learned);
+  const FloatLanes spread = input.tone.gain.g * sigma;
+  RoomDistance room = to_room(input, p, b, spread, FloatLanes{} + kDeepestShadow);
+  if (input.finds_light()) {
+    const ColorLanes lit_b{here.r * b.r, here.g * b.g, here.b * b.b};
+    // The darkest shadow is relative to the learned light.
+    const FloatLanes darkest =
+        min(kDeepestShadow * luminance(b) / max(luminance(lit_b), FloatLanes{} + 1e-4F),
+            FloatLanes{} + 1);
+    const RoomDistance lit = to_room(input, p, lit_b, spread, darkest);
+    const IntLanes nearer = lit.square < room.square;
+    room = {nearer ? lit.square : room.square, nearer ? lit.variance : room.variance,
+            nearer ? lit.most : room.most};
+  }
+  room.most = learned.r < 0 ? FloatLanes{} : room.most;  // an unknown colour does not vote
+  return room;
 }
 
 /// Squared distance to a colour over its variance.
@@ -85,7 +106,10 @@ void KeyVotes::set_footprint(float tof_footprint_px) {
   if (columns_.size() < columns) columns_.resize(columns);
 }
 
-void KeyVotes::load_row(const KeyInput& input, int x0, int width, int y, int j) {
+void KeyVotes::load_row(const KeyInput& input, const RoomLight& light, int x0, int width, int by,
+                        int j) {
+  const int last = input.tables.view_size.height - 1;
+  const int y = std::clamp(block_begin(by) - 1 + j, 0, last);
   const auto at = static_cast<std::size_t>(j);
   const int view_width = input.tables.view_size.width;
   const bool has_sigma = !input.background.color_sigma.empty();
@@ -94,21 +118,21 @@ void KeyVotes::load_row(const KeyInput& input, int x0, int width, int y, int j) 
     store(r_[at].data() + i, p.r), store(g_[at].data() + i, p.g), store(b_[at].data() + i, p.b);
     if (!input.learned()) continue;
     const ColorLanes learned = color_lanes(input.background.color.row(y), x0 + i, view_width);
+    const ColorLanes here = light.at(x0 + i, by);
     const FloatLanes sigma =
         has_sigma ? float_lanes(input.background.color_sigma.row(y), x0 + i, view_width)
                   : FloatLanes{};
-    const LearnedDistance room = to_learned(input, p, learned, sigma);
+    const RoomDistance room = to_learned(input, p, learned, here, sigma);
     store(distance_[at].data() + i, room.square);
     store(log_spread_[at].data() + i, log(room.variance));
     store(most_[at].data() + i, room.most);
   }
 }
 
-void KeyVotes::load_colors(const KeyInput& input, int bx0, int bx1, int by) {
-  const int y0 = block_begin(by) - 1, last = input.tables.view_size.height - 1;
+void KeyVotes::load_colors(const KeyInput& input, const RoomLight& light, int bx0, int bx1,
+                           int by) {
   for (int j = 0; j < kRows; ++j)
-    load_row(input, block_begin(bx0) - 1, (bx1 - bx0) * kBlockPx + 2, std::clamp(y0 + j, 0, last),
-             j);
+    load_row(input, light, block_begin(bx0) - 1, (bx1 - bx0) * kBlockPx + 2, by, j);
 }
 
 /// Averages over 3x3 pixels in the block whose first pixel is i0.
@@ -116,6 +140,7 @@ void KeyVotes::mean_of_colors(const KeyInput& input, const NearColors& near, int
                               Means& means) const {
   const NearColor &people = near.people, &room = near.room, &deep = near.deep;
   const bool by_room = !input.learned(), known = people.known || deep.known;
+  const bool by_light = input.finds_light();
   Votes votes, others;
   const float odds = kSpreadOdds * std::log((by_room ? room.variance : 1.0F) / people.variance);
   const float deep_odds = -kSpreadOdds * std::log(deep.variance);
@@ -133,7 +158,12 @@ void KeyVotes::mean_of_colors(const KeyInput& input, const NearColors& near, int
         const FloatLanes least = most > 0 ? FloatLanes{} - kColorVoteCap : FloatLanes{};
         FloatLanes person = FloatLanes{} - kNoPerson;
         if (people.known) person = odds - 0.5F * square_to(p, people);
-        if (deep.known) person = max(person, deep_odds - 0.5F * square_to(p, deep));
+        if (deep.known) {
+          // Foreground around a pixel that shows the room may lie over the room itself.
+          const IntLanes by_deep = at(distance_) < (by_light ? kSurelyRoom : 0.0F);
+          const FloatLanes inner = deep_odds - 0.5F * square_to(p, deep);
+          person = by_deep ? inner : max(person, inner);
+        }
         if (known) all = 0.5F * at(distance_) + (kSpreadOdds * at(log_spread_) + person);
         vote = known ? clamp(all, least, most)
                      : clamp(0.5F * at(distance_) - kColorVoteCap, least,
@@ -184,7 +214,7 @@ void KeyVotes::decide(const KeyInput& input, int bx0, int bx1, int by, KeyScratc
   const Size size = input.tables.view_size;
   const int x0 = block_begin(bx0), x1 = block_end(bx1 - 1, size.width), y0 = block_begin(by);
   const int rows = block_end(by, size.height) - y0;
-  if (input.params.color) load_colors(input, bx0, bx1, by);
+  if (input.params.color) load_colors(input, scratch.room_light, bx0, bx1, by);
   for (int j = 0; j < rows; ++j) {
     const auto at = static_cast<std::size_t>(j);
     sum_depths(scratch.state, size, near_, x0, x1, y0 + j, depths_[at].data());

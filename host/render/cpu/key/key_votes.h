@@ -13,6 +13,7 @@ namespace mixrig::render::cpu {
 struct KeyInput;
 struct KeyScratch;
 struct NearColors;
+class RoomLight;
 
 /// Decides between people and background by votes, for runs of blocks. For one thread.
 class KeyVotes {
@@ -41,8 +42,8 @@ class KeyVotes {
     Mean vote, other;
   };
 
-  void load_colors(const KeyInput& input, int bx0, int bx1, int by);
-  void load_row(const KeyInput& input, int x0, int width, int y, int j);
+  void load_colors(const KeyInput& input, const RoomLight& light, int bx0, int bx1, int by);
+  void load_row(const KeyInput& input, const RoomLight& light, int x0, int width, int by, int j);
   void mean_of_colors(const KeyInput& input, const NearColors& near, int i0, Means& means) const;
   using Taps = std::array<int, 2 * kDepthTapRadius + 1>;
   void sum_depths(const Image<std::uint8_t>& state, Size size, const Taps& taps, int x0, int x1,

@@ -135,13 +135,18 @@ LineLanes lines_at(const RefineScratch& s, int x, int y) {
 
 /// Mixes the people's share by the line with their share by both colours, weighted by the latter's
 /// confidence.
-FloatLanes share_of_colors(const KeyInput& input, const LineLanes& line, FloatLanes share, int x,
-                           int y) {
+FloatLanes share_of_colors(const KeyInput& input, const RoomLight& light, const LineLanes& line,
+                           FloatLanes share, int x, int y) {
   constexpr FloatLanes kNone{}, kAll = kNone + 1;
   const int width = input.tables.view_size.width;
   const ColorLanes p = color_lanes(input.plate.row(y), x, width);
   const ColorLanes learned = color_lanes(input.background.color.row(y), x, width);
-  const ColorLanes b = shown_now(input.tone, learned);
+  const ColorLanes now = shown_now(input.tone, learned), here = light.at(x, y / kBlockPx);
+  const ColorLanes lit{here.r * now.r, here.g * now.g, here.b * now.b};
+  const ColorLanes off_now{p.r - now.r, p.g - now.g, p.b - now.b};
+  const ColorLanes off_lit{p.r - lit.r, p.g - lit.g, p.b - lit.b};
+  const IntLanes nearer = dot(off_lit, off_lit) < dot(off_now, off_now);
+  const ColorLanes b{nearer ? lit.r : now.r, nearer ? lit.g : now.g, nearer ? lit.b : now.b};
   const FloatLanes over = 1 / max(line[4], kNone + kShareLeast);
   const ColorLanes root{line[5] * over, line[6] * over, line[7] * over};
   const ColorLanes f{root.r * root.r, root.g * root.g, root.b * root.b};
@@ -161,13 +166,13 @@ FloatLanes share_of_colors(const KeyInput& input, const LineLanes& line, FloatLa
 }
 
 template <int kTilePx>
-void refine_row(const KeyInput& input, const RefineScratch& scratch, int x0, int x1, int y,
-                Image<std::uint8_t>& matte) {
+void refine_row(const KeyInput& input, const RoomLight& light, const RefineScratch& scratch, int x0,
+                int x1, int y, Image<std::uint8_t>& matte) {
   for (int x = x0; x < x1; x += kLanes) {
     const LineLanes line = lines_at<kTilePx>(scratch, x, y);
     const ColorLanes c = guide(input.plate.row(y), x, matte.width());
     FloatLanes share = line[0] * c.r + line[1] * c.g + line[2] * c.b + line[3];
-    if (input.learned()) share = share_of_colors(input, line, share, x, y);
+    if (input.learned()) share = share_of_colors(input, light, line, share, x, y);
     const FloatLanes none{}, all = none + 1;
     const FloatLanes steep = min(max(0.5F + kMatteGain * (share - 0.5F), none), all);
     const ByteLanes bytes = to_bytes(truncate(255 * steep + 0.5F));
@@ -177,7 +182,7 @@ void refine_row(const KeyInput& input, const RefineScratch& scratch, int x0, int
 
 template <int kTilePx>
 void refine_by_tiles(Crew& crew, const KeyInput& input, const BlockPlanes& blocks,
-                     RefineScratch& scratch, Image<std::uint8_t>& matte) {
+                     const RoomLight& light, RefineScratch& scratch, Image<std::uint8_t>& matte) {
   constexpr int kPerBlock = kBlockPx / kTilePx, kGrain = 2;
   // Visits the runs of flagged blocks of each row.
   const auto runs = [&](const Image<std::uint8_t>& flags, auto&& visit) {
@@ -205,7 +210,7 @@ void refine_by_tiles(Crew& crew, const KeyInput& input, const BlockPlanes& block
   });
   runs(blocks.decided, [&](int by, int x0, int x1) {
     for (int y = block_begin(by); y < block_end(by, matte.height()); ++y)
-      refine_row<kTilePx>(input, scratch, x0, std::min(x1, matte.width()), y, matte);
+      refine_row<kTilePx>(input, light, scratch, x0, std::min(x1, matte.width()), y, matte);
   });
 }
 
@@ -220,11 +225,11 @@ RefineScratch::RefineScratch(Size view_size, float tof_footprint_px)
       sums(tiles, kSums),
       lines(tiles, kLine) {}
 
-void refine(Crew& crew, const KeyInput& input, const BlockPlanes& blocks, RefineScratch& scratch,
-            Image<std::uint8_t>& matte) {
-  if (scratch.tile_px == 4) return refine_by_tiles<4>(crew, input, blocks, scratch, matte);
-  if (scratch.tile_px == 2) return refine_by_tiles<2>(crew, input, blocks, scratch, matte);
-  refine_by_tiles<1>(crew, input, blocks, scratch, matte);
+void refine(Crew& crew, const KeyInput& input, const BlockPlanes& blocks, const RoomLight& light,
+            RefineScratch& scratch, Image<std::uint8_t>& matte) {
+  if (scratch.tile_px == 4) return refine_by_tiles<4>(crew, input, blocks, light, scratch, matte);
+  if (scratch.tile_px == 2) return refine_by_tiles<2>(crew, input, blocks, light, scratch, matte);
+  refine_by_tiles<1>(crew, input, blocks, light, scratch, matte);
 }
 
 }  // namespace mixrig::render::cpu

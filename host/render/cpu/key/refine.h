@@ -10,6 +10,7 @@ namespace mixrig::render::cpu {
 
 struct BlockPlanes;
 struct KeyInput;
+class RoomLight;
 
 /// Several numbers for each tile: one image row for each number of a row of tiles, so that
 /// neighbouring tiles lie side by side. Tiles beyond the picture have memory too.
@@ -44,7 +45,7 @@ struct RefineScratch {
 /// Tang 2010). Lines are computed once a tile and interpolated (He and Sun 2015). Where a
 /// background was learned and people's colour differs from it, a pixel in doubt gets its share of
 /// both colours.
-void refine(Crew& crew, const KeyInput& input, const BlockPlanes& blocks, RefineScratch& scratch,
-            Image<std::uint8_t>& matte);
+void refine(Crew& crew, const KeyInput& input, const BlockPlanes& blocks, const RoomLight& light,
+            RefineScratch& scratch, Image<std::uint8_t>& matte);
 
 }  // namespace mixrig::render::cpu

@@ -21,6 +21,10 @@ Result<KeyPass> KeyPass::create(const Tables& tables, LearnedColor learned,
                          &pass.band_, &pass.person_, &pass.rooms_, &pass.kept_rooms_, &pass.room_,
                          &pass.deep_, &pass.person_deep_})
     *image = make_texture(blocks, GL_RGBA32F);
+  pass.has_light_ = params.color && learned.there && !tables.key_limit_w.empty();
+  if (pass.has_light_)
+    for (Texture* image : {&pass.found_light_, &pass.light_})
+      *image = make_texture(blocks, GL_RGBA32F);
   pass.refine_ = params.color && params.refine;
   if (pass.refine_) {
     const int px = matte_tile_px(tables.tof_footprint_px);
@@ -50,6 +54,10 @@ Result<void> KeyPass::make_steps() {
                 make_step("key_speckles.frag", {&kept_counts_, &kept_colors_, &kept_rooms_}));
   MIXRIG_ASSIGN(find_deep_, make_step("key_deep.frag", {&deep_}));
   MIXRIG_ASSIGN(find_band_, make_step("key_band.frag", {&band_, &person_, &room_, &person_deep_}));
+  if (has_light_) {
+    MIXRIG_ASSIGN(find_light_, make_step("key_room_light.frag", {&found_light_}));
+    MIXRIG_ASSIGN(mean_light_, make_step("key_light.frag", {&light_}));
+  }
   MIXRIG_ASSIGN(fill_, make_step("key_fill.frag", {&voted_}));
   if (use_color_) {
     MIXRIG_ASSIGN(vote_, make_block_step("key_votes.frag", {&votes_}, kVotes, kBlockPx + 2));
@@ -104,6 +112,8 @@ void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
   for (const Step* step : {&blocks_, &speckles_})
     step->program.set("needs_room", use_color_ && !has_learned_);
   finish_.program.set("refine", refine_);
+  finish_.program.set("has_light", has_light_);
+  if (has_light_) light_tone_ = ToneUniforms(find_light_.program);
   finish_.program.set("has_learned", has_learned_);
   matte_tone_ = ToneUniforms(finish_.program);
   has_before_ = finish_.program.location("has_before");
@@ -132,12 +142,18 @@ void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
   run(find_deep_, {&kept_counts_, &kept_colors_});
   run(find_band_, {&kept_counts_, &kept_colors_, &kept_rooms_, &deep_});
   run(fill_, {&band_});
+  if (has_light_) {
+    find_light_.program.use();
+    light_tone_.set(input.tone);
+    run(find_light_, {&band_, &state_image_, &kept_counts_, &input.plate, &input.learned});
+    run(mean_light_, {&band_, &found_light_});
+  }
   if (use_color_) {
     vote_.program.use();
     tone_.set(input.tone);
     run_blocks(vote_, band_,
                {&input.plate, &input.learned, &input.learned_sigma, &band_, &person_, &room_,
-                nullptr, &person_deep_});
+                nullptr, &person_deep_, has_light_ ? &light_ : nullptr});
   }
   run_blocks(decide_, band_, {&state_image_, &kept_counts_, &band_, &votes_});
   if (refine_) {
@@ -151,7 +167,8 @@ void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
   run(finish_,
       {&voted_, &band_, &state_image_, &kept_counts_, &input.plate, refine_ ? &lines_ : nullptr, &w,
        refine_ ? &people_ : nullptr, refine_ ? &input.learned : nullptr,
-       before ? &plate_before_ : nullptr, before ? &matte_before_ : nullptr, input.motion_px});
+       before ? &plate_before_ : nullptr, before ? &matte_before_ : nullptr, input.motion_px,
+       has_light_ ? &light_ : nullptr});
 }
 
 }  // namespace mixrig::render::gles

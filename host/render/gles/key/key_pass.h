@@ -57,15 +57,17 @@ class KeyPass {
   void set_constants(const KeyPassParams& params, bool has_sigma);
 
   bool use_color_ = false, has_learned_ = false, refine_ = false;
+  bool has_light_ = false;  ///< compares the room's light around people with the learned one
   Texture limit_w_, state_image_, counts_, colors_, rooms_, kept_counts_, kept_colors_, kept_rooms_,
       deep_, band_, person_, room_, person_deep_, votes_, voted_;
   Texture tile_counts_, tile_with_p_, tile_squares_, tile_products_, lines_,
       people_;  ///< one texel a tile
+  Texture found_light_, light_;
   Texture matte_, visible_w_, moved_w_, plate_before_, matte_before_;
   Step move_, keep_, state_, blocks_, speckles_, find_deep_, find_band_, fill_, vote_, decide_,
-      sum_tiles_, fit_, finish_;
+      sum_tiles_, fit_, finish_, find_light_, mean_light_;
   GLint world_from_camera_ = -1, floor_w_ = -1, has_before_ = -1;
-  ToneUniforms tone_, matte_tone_;
+  ToneUniforms tone_, matte_tone_, light_tone_;
 };
 
 }  // namespace mixrig::render::gles
