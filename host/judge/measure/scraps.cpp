@@ -9,18 +9,13 @@ namespace {
 
 constexpr int kBackground = 0, kPerson = kLayerPerson, kObject = kLayerVirtual;
 
-/// Layers (a bit each) that truth has in the 3x3 pixels around each one.
-Image<std::uint8_t> layers_around(ImageView<const std::uint8_t> labels) {
+/// Whether truth has a layer in the 3x3 pixels around one.
+bool is_near(ImageView<const std::uint8_t> labels, int x, int y, int layer) {
   const Size size = labels.size;
-  Image<std::uint8_t> rows(size), out(size);
-  for (int y = 0; y < size.height; ++y)
-    for (int x = 0; x < size.width; ++x)
-      for (int u = std::max(0, x - 1); u <= std::min(size.width - 1, x + 1); ++u)
-        rows.row(y)[x] |= static_cast<std::uint8_t>(1U << (labels.row(y)[u] & kLayerMask));
-  for (int y = 0; y < size.height; ++y)
-    for (int v = std::max(0, y - 1); v <= std::min(size.height - 1, y + 1); ++v)
-      for (int x = 0; x < size.width; ++x) out.row(y)[x] |= rows.row(v)[x];
-  return out;
+  for (int v = std::max(0, y - 1); v <= std::min(size.height - 1, y + 1); ++v)
+    for (int u = std::max(0, x - 1); u <= std::min(size.width - 1, x + 1); ++u)
+      if ((labels.row(v)[u] & kLayerMask) == layer) return true;
+  return false;
 }
 
 Scrap kind_of(int shown, int is) {
@@ -36,13 +31,12 @@ int least_scrap_px(Size size) {
 
 Image<std::uint8_t> wrong_pixels(ImageView<const std::uint8_t> layer,
                                  ImageView<const std::uint8_t> labels) {
-  const Image<std::uint8_t> around = layers_around(labels);
   Image<std::uint8_t> out(labels.size);
   for (int y = 0; y < labels.size.height; ++y)
     for (int x = 0; x < labels.size.width; ++x) {
       const int shown = layer.row(y)[x], label = labels.row(y)[x];
       if (shown != kObject && (label & kInSilhouette) == 0) continue;
-      if ((around.row(y)[x] >> static_cast<unsigned>(shown) & 1U) != 0) continue;
+      if (shown == (label & kLayerMask) || is_near(labels, x, y, shown)) continue;
       out.row(y)[x] =
           static_cast<std::uint8_t>(1 + static_cast<int>(kind_of(shown, label & kLayerMask)));
     }

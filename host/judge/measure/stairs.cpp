@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace mixrig::measure {
 namespace {
@@ -16,7 +17,6 @@ constexpr double kLeastStep = 24;       // of 255
 constexpr double kEvenPart = 0.2;       // of the step, over an end
 constexpr double kStraight_px = 1;      // from the line, at most
 constexpr double kSteepestSlope = 0.9;  // the other axis finds what is steeper
-constexpr float kNoBorder = -1;
 
 /// A picture by its columns, or by its rows: `along` numbers them.
 struct Lines {
@@ -73,38 +73,48 @@ std::optional<Crossing> crossing(const Lines& lines, int along, int across) {
   return Crossing{across + 1 - kReach_px + *half, *rest - *tenth};
 }
 
-/// Place and width of the borders between a layer and the background, stored at the pixel before
-/// each; kNoBorder elsewhere.
-struct Borders {
-  Image<float> at_px, width_px;
-
-  Borders(const Lines& lines, int layer)
-      : at_px({lines.length(), lines.count()}, kNoBorder),
-        width_px({lines.length(), lines.count()}) {
-    for (int i = 0; i < lines.count(); ++i)
-      for (int j = kReach_px - 1; j + kReach_px < lines.length(); ++j) {
-        const int a = lines.layer(i, j), b = lines.layer(i, j + 1);
-        if (a == b || std::min(a, b) != 0 || std::max(a, b) != layer) continue;
-        const auto found = crossing(lines, i, j);
-        if (!found) continue;
-        at_px.at(j, i) = static_cast<float>(found->at_px);
-        width_px.at(j, i) = static_cast<float>(found->width_px);
-      }
-  }
+/// A border between a layer and the background on a line; `after` is the pixel before it.
+struct Border {
+  int after;
+  double at_px, width_px;
+  bool taken = false;  ///< belongs to a piece
 };
 
-/// A piece of a border from line `i` on, the pixel before it on each line; nullopt where it ends.
-std::optional<std::array<int, kStairPiece_px>> piece_from(const Borders& borders, int i, int j) {
-  if (i + kStairPiece_px > borders.at_px.height()) return std::nullopt;
-  std::array<int, kStairPiece_px> piece{j};
-  for (int k = 1; k < kStairPiece_px; ++k) {
-    const int last = piece[static_cast<std::size_t>(k - 1)];
-    const auto is_border = [&](int at) {
-      return at >= 0 && at < borders.at_px.width() && borders.at_px.at(at, i + k) != kNoBorder;
-    };
-    const int next = is_border(last) ? last : is_border(last - 1) ? last - 1 : last + 1;
-    if (!is_border(next)) return std::nullopt;
-    piece[static_cast<std::size_t>(k)] = next;
+/// The borders of each line, in order.
+using Borders = std::vector<std::vector<Border>>;
+
+Borders borders_of(const Lines& lines, int layer) {
+  Borders borders(static_cast<std::size_t>(lines.count()));
+  for (int i = 0; i < lines.count(); ++i)
+    for (int j = kReach_px - 1; j + kReach_px < lines.length(); ++j) {
+      const int a = lines.layer(i, j), b = lines.layer(i, j + 1);
+      if (a == b || std::min(a, b) != 0 || std::max(a, b) != layer) continue;
+      if (const auto found = crossing(lines, i, j))
+        borders[static_cast<std::size_t>(i)].push_back({j, found->at_px, found->width_px});
+    }
+  return borders;
+}
+
+/// The border of a line after a pixel that no piece has; null if there is none.
+Border* free_border(std::vector<Border>& line, int after) {
+  for (Border& border : line)
+    if (border.after == after) return border.taken ? nullptr : &border;
+  return nullptr;
+}
+
+using StairPiece = std::array<Border*, kStairPiece_px>;
+
+/// The piece that begins at a border of line `i`: the neighbour on each of the next lines. nullopt
+/// where it ends too soon.
+std::optional<StairPiece> piece_from(Borders& borders, std::size_t i, Border& first) {
+  if (i + kStairPiece_px > borders.size()) return std::nullopt;
+  StairPiece piece{&first};
+  for (std::size_t k = 1; k < piece.size(); ++k) {
+    Border* next = nullptr;
+    for (const int step : {0, -1, 1})
+      if (next == nullptr) next = free_border(borders[i + k], piece[k - 1]->after + step);
+    if (next == nullptr) return std::nullopt;
+    piece[k] = next;
   }
   return piece;
 }
@@ -125,15 +135,13 @@ Line line_through(std::span<const double> places_px) {
   return {mean - 0.5 * slope * (count - 1), slope};
 }
 
-/// Adds a piece where it is straight, and takes it out of the borders.
-void add_piece(const std::array<int, kStairPiece_px>& piece, int i, Borders& borders,
-               Stairs& sums) {
+/// Adds a piece where it is straight, and takes its borders.
+void add_piece(const StairPiece& piece, Stairs& sums) {
   std::array<double, kStairPiece_px> places;
   double width_px = 0;
   for (std::size_t k = 0; k < piece.size(); ++k) {
-    float& at = borders.at_px.at(piece[k], i + static_cast<int>(k));
-    places[k] = at, at = kNoBorder;
-    width_px += borders.width_px.at(piece[k], i + static_cast<int>(k)) / double(kStairPiece_px);
+    places[k] = piece[k]->at_px, piece[k]->taken = true;
+    width_px += piece[k]->width_px / double(kStairPiece_px);
   }
   const Line line = line_through(places);
   if (std::abs(line.slope) > kSteepestSlope) return;
@@ -156,11 +164,11 @@ void add_stairs(ImageView<const Rgb8> color, ImageView<const std::uint8_t> label
                 std::uint8_t layer, Stairs& sums) {
   for (const bool rows : {false, true}) {
     const Lines lines{color, labels, rows};
-    Borders borders(lines, layer);
-    for (int i = 0; i < lines.count(); ++i)
-      for (int j = 0; j < lines.length(); ++j)
-        if (borders.at_px.at(j, i) != kNoBorder)
-          if (const auto piece = piece_from(borders, i, j)) add_piece(*piece, i, borders, sums);
+    Borders borders = borders_of(lines, layer);
+    for (std::size_t i = 0; i < borders.size(); ++i)
+      for (Border& first : borders[i])
+        if (!first.taken)
+          if (const auto piece = piece_from(borders, i, first)) add_piece(*piece, sums);
   }
 }
 
