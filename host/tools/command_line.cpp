@@ -172,6 +172,8 @@ bool Command::has_option(const std::string& name) const {
 
 void Command::hide() { app_->group(""); }
 
+void Command::accept_anything() { app_->allow_extras(); }
+
 CommandText Command::text() const { return text_of(*app_); }
 
 std::size_t Command::count(const std::string& name) const { return app_->count(name); }

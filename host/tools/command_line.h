@@ -88,6 +88,8 @@ class Command {
   bool has_option(const std::string& name) const;
   /// Keeps the command out of --help, of error lines and of text().
   void hide();
+  /// Takes options and arguments that it does not have, and leaves them unread.
+  void accept_anything();
   CommandText text() const;
   /// Number of times the option was given; valid while and after the line is parsed.
   std::size_t count(const std::string& name) const;

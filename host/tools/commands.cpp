@@ -1,8 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 // The subcommands in the order of --help.
+#include <string>
+
+#include <nlohmann/json.hpp>
+
 #include "host/tools/command.h"
 
 namespace mixrig::tools {
+namespace {
+
+/// Adds a hidden command whose error says that this build leaves `name` out.
+[[maybe_unused]] void add_left_out(Command parent, const std::string& name, Context& context) {
+  Command command = parent.add_subcommand(name, "left out of this build");
+  command.hide();
+  command.accept_anything();
+  command.callback([&context, name] {
+    context.action = [name]() -> Result<nlohmann::json> {
+      return Error{ErrorCode::kUsage,
+                   "this build of mixrig leaves '" + name +
+                       "' out: build all of it, as docs/reference/build.md says"};
+    };
+  });
+}
+
+}  // namespace
 
 void add_commands(Command app, Context& context) {
   add_run_command(app, context);
@@ -21,14 +42,20 @@ void add_commands(Command app, Context& context) {
   add_lights_command(app, context);
 #ifdef MIXRIG_EXTRA_PEOPLE
   add_plan_command(app, context);
+#else
+  add_left_out(app, "plan", context);
 #endif
   add_place_command(app, context);
 #ifdef MIXRIG_EXTRA_STUDIO
   add_studio_command(app, context);
   add_bench_command(app, context);
+#else
+  for (const char* name : {"studio", "bench"}) add_left_out(app, name, context);
 #endif
 #ifdef MIXRIG_EXTRA_MAP
   add_learn_command(app, context);
+#else
+  add_left_out(app, "learn", context);
 #endif
 #ifdef MIXRIG_CALIBRATE
   add_calibrate_intrinsics_command(app, context);
@@ -36,6 +63,10 @@ void add_commands(Command app, Context& context) {
   add_calibrate_views_command(app, context);
   add_calibrate_rig_command(app, context);
   add_calibrate_ptu_command(app, context);
+#else
+  Command calibrate = app.group("calibrate", "calibrate cameras and rig");
+  for (const char* name : {"intrinsics", "lens", "views", "rig", "tof", "ptu"})
+    add_left_out(calibrate, name, context);
 #endif
   add_help_pages_command(app, context);
 }

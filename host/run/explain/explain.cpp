@@ -223,7 +223,7 @@ Result<Explanation> explain(Session& session, int frames, RunExtras extras, cons
   out.rss_mb = report.rss_mb;
   out.calibration = session.calibration.where + ": " + session.calibration.why;
   out.camera = pose_text(session, first);
-  out.rungs = scene::to_text(scene::rungs_of(session.scene), session.setup.focus.has_value());
+  out.levels = scene::to_text(scene::rungs_of(session.scene), session.setup.focus.has_value());
   out.quality = report.quality;
   MIXRIG_ASSIGN(out.still_p50_ms, frame_cost_ms(session, first, 1, frames, 0, clock));
   if (session.poses->info().moves) {
@@ -250,7 +250,7 @@ nlohmann::json to_json(const Explanation& e) {
                         {"moving_p50_ms", nullptr},
                         {"calibration", e.calibration},
                         {"camera", e.camera},
-                        {"levels", e.rungs},
+                        {"levels", e.levels},
                         {"rss_mb", e.rss_mb},
                         {"passes", nlohmann::json::array()},
                         {"shadow_maps", nlohmann::json::array()},
@@ -270,7 +270,7 @@ nlohmann::json to_json(const Explanation& e) {
 std::string to_text(const Explanation& e) {
   std::string out = fmt::format("{} in {}, {} ({})\n", e.scene, e.source, e.backend, e.renderer);
   out += fmt::format("  calibration  {}\n  camera       {}\n", e.calibration, e.camera);
-  out += fmt::format("  quality      {}: {}\n", e.rungs,
+  out += fmt::format("  quality      {}: {}\n", e.levels,
                      e.quality ? "chosen for quality.budget_ms" : "as the scene says");
   out += fmt::format("  {:<10} {:<11} {:>8}  {}\n", "pass", "size", "p50 ms", "why");
   if (e.quality) out += to_text(*e.quality);
