@@ -202,7 +202,7 @@ struct PoseOut {
 struct StreamOut {
   enum class Picture : std::uint8_t {
     kFill,     ///< the composite
-    kKey,      ///< coverage: that of the set if it is partly transparent, else of people
+    kKey,      ///< coverage: of all that is shown if the set leaves parts empty, else of people
     kDepth,    ///< mixed depth, 16 bits of millimetres, 0 unknown
     kFillKey,  ///< composite and key side by side
     kAlpha,    ///< composite with the key as alpha

@@ -62,8 +62,7 @@ inline constexpr float kLeastConfidence = 0.5F;
 ///    distance to the second best says how certain the wraps are;
 /// 3. the test whether amplitudes over their contrasts agree, as they do where one surface is seen
 ///    (chi^2 with two more degrees of freedom);
-/// 4. the test whether neighbours agree, as they do on a surface, and the mean over those within
-/// the
+/// 4. the test whether neighbours agree, as they do on a surface, and the mean of those within the
 ///    noise, weighted by their variances, in 3x3 pixels;
 /// 5. the correction of multipath (BouncedLight) from means over the surface pixels of a window.
 /// Not thread-safe. Allocates nothing after construction.
