@@ -103,7 +103,7 @@ struct Calibration {
 };
 
 /// Replaces entries by those of `newer` with the same name; the others stay. A camera without
-/// vignetting or lens table keeps the old one.
+/// vignetting keeps the old one, and so does a pinhole of the same picture size without lens table.
 void merge(Calibration& into, const Calibration& newer);
 
 /// Reads a calibration file; cameras and poses are in alphabetical order. Errors: kNotFound,
