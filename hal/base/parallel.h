@@ -56,8 +56,8 @@ class Crew {
 
   /// One core per thread, the caller's first; empty: the system places them.
   std::vector<int> cores_;
-  /// In the bits from kNumber up the number of the call, kOpen while workers may join it, in the
-  /// bits below the number of workers in it, without the caller.
+  /// Bits from kNumber up: number of the call. Bit kOpen: workers may join it. Bits below: number
+  /// of workers in it, without the caller.
   std::atomic<std::uint32_t> call_{0};
   std::atomic<bool> stop_{false};
   // Arguments of the open call, written before it is opened, when all workers have left the last.
