@@ -261,7 +261,7 @@ constexpr std::uint32_t hash_table(std::tuple<M...>*) {
 }
 }  // namespace detail
 
-/// Hash of the message table: each side refuses another one.
+/// Hash of the message table: each side refuses a peer whose hash differs.
 inline constexpr std::uint32_t kTableHash = detail::hash_table(static_cast<MessageTable*>(nullptr));
 
 }  // namespace mixrig::protocol

@@ -34,8 +34,8 @@ class Crew {
     rows_by_worker(count, grain, [&body](int, int begin, int end) { body(begin, end); });
   }
 
-  /// Does what rows() does, but calls body(worker, begin, end). Bands of one worker (0 .. threads()
-  /// - 1) never run at the same time, so that each worker can have its own scratch memory.
+  /// Does what rows() does, but calls body(worker, begin, end) with worker in [0, threads()). Bands
+  /// of one worker never run at the same time, so that each can have its own scratch memory.
   template <typename Body>
   void rows_by_worker(int count, int grain, Body&& body) {
     run(
@@ -56,11 +56,11 @@ class Crew {
 
   /// One core per thread, the caller's first; empty: the system places them.
   std::vector<int> cores_;
-  /// Number of the call (from bit kNumber up), kOpen while workers may join it, and in the low bits
-  /// how many workers it has.
+  /// Bits from kNumber up: number of the call. Bit kOpen: workers may join it. Bits below: number
+  /// of workers in it, without the caller.
   std::atomic<std::uint32_t> call_{0};
   std::atomic<bool> stop_{false};
-  // The open call. Written before it is opened, after all workers have left the call before.
+  // Arguments of the open call, written before it is opened, when all workers have left the last.
   Function function_ = nullptr;
   void* context_ = nullptr;
   int count_ = 0, grain_ = 1;

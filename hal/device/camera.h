@@ -50,9 +50,9 @@ struct StreamRequest {
   double rate_hz = 0;
   bool hardware_trigger = false;  ///< one frame per trigger edge, where the device supports it
   std::string trigger_input{};  ///< the device's name of that input; empty: the driver's usual one
-  /// Frames may lie in the device's own buffers, where the driver shares these (Frame::memory).
-  /// Nothing is copied, but a processor may read them slowly. While consumers hold so many that the
-  /// device has too few, frames are copies.
+  /// Frames may lie in the device's own buffers if the driver shares these (Frame::memory). Nothing
+  /// is copied then, but the processor may read them slowly. While consumers hold so many that the
+  /// device would have too few left, frames are copies.
   bool lends = false;
 };
 

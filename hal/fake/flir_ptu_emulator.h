@@ -63,8 +63,8 @@ class FlirPtuEmulator {
   std::uint64_t commands_ = 0, limit_reports_ = 0;
 };
 
-/// The host's end of a cable to the emulator, on a given clock. A read that finds nothing advances
-/// the clock by the time-out.
+/// The host's end of a cable to the emulator, on a given clock. A read that finds nothing sleeps on
+/// that clock for the time-out.
 class FlirPtuLine final : public device::ByteStream {
  public:
   FlirPtuLine(FlirPtuEmulator& unit, Clock& clock) : unit_(unit), clock_(clock) {}

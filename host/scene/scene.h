@@ -149,7 +149,7 @@ struct CameraPoses {
 /// floor.
 struct CaptureVolume {
   Eigen::Vector3d min_m, max_m;
-  double floor_tolerance_m = 0.01;  ///< points lower than this above the bottom are floor
+  double floor_tolerance_m = 0.01;  ///< points less than this above the bottom are floor
   bool operator==(const CaptureVolume&) const = default;
 };
 
@@ -170,10 +170,11 @@ struct VirtualSet {
 };
 
 struct KeySettings {
-  double threshold_m = 0.05;  ///< smallest depth step that is keyed
-  double noise_factor = 4.0;  ///< threshold over the standard deviation of the depth noise
-  bool motion = true;         ///< move people's depth to the time of the plate
-  bool steady = true;         ///< use the last frame too where the plate did not change
+  double threshold_m = 0.05;  ///< smallest threshold, the depth step that is keyed
+  /// The threshold is at least this many standard deviations of the depth noise.
+  double noise_factor = 4.0;
+  bool motion = true;  ///< move people's depth to the time of the plate
+  bool steady = true;  ///< blend in the last frame's matte where the plate did not change
 };
 
 /// Outputs of events between people and objects.
@@ -201,7 +202,7 @@ struct PoseOut {
 struct StreamOut {
   enum class Picture : std::uint8_t {
     kFill,     ///< the composite
-    kKey,      ///< coverage: that of the set if it is partly transparent, else of people
+    kKey,      ///< coverage: of all that is shown if the set leaves parts empty, else of people
     kDepth,    ///< mixed depth, 16 bits of millimetres, 0 unknown
     kFillKey,  ///< composite and key side by side
     kAlpha,    ///< composite with the key as alpha
@@ -214,7 +215,7 @@ struct StreamOut {
   Codec codec = Codec::kAuto;
   double eye_m = 0.065;  ///< stereo: distance between the two views
   double screen_m = 3;   ///< stereo: distance that appears at the screen
-  /// Stereo: largest disparity, share of the width, before and behind the screen.
+  /// Stereo: largest disparity, percent of the width, in front of and behind the screen.
   double most_disparity_pct = 3;
   double near_m = 1, far_m = 6;  ///< 2d+depth: nearness 255 and 0, linear in 1 / z
   bool operator==(const StreamOut&) const = default;
@@ -227,7 +228,7 @@ struct FocusSettings {
   std::optional<std::pair<int, int>> pixel;
   double f_number = 2.8;        ///< focal length over diameter of the aperture
   double sensor_width_mm = 36;  ///< width of the view on the sensor
-  double most_blur_pct = 4;     ///< largest blur diameter, share of the width
+  double most_blur_pct = 4;     ///< largest blur diameter, percent of the width
 };
 
 /// Effects of the camera that are applied to virtual objects.

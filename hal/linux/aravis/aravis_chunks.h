@@ -21,8 +21,8 @@ struct AravisChunks {
   double ns_per_tick = 1;  ///< unit of its timestamps
   bool any() const { return timestamp || exposure || frame_id; }
 };
-/// Enables the chunks that the camera has. Without a timestamp chunk all chunks are switched off:
-/// the picture's header then tells as much.
+/// Enables the chunks that the camera has, and returns them. Without a timestamp chunk all chunks
+/// are switched off: the picture's header then says as much.
 AravisChunks choose_aravis_chunks(ArvCamera* camera);
 /// Reads stamp, exposure and counter from the chunks into `frame`. The camera stamps the start of
 /// the exposure (SFNC 2.7); the frame's stamp is its middle.

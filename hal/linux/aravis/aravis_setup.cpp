@@ -48,7 +48,7 @@ Error not_offered(const CameraInfo& info, PixelFormat format) {
                    ": see what it offers with arv-tool-0.8 values PixelFormat"};
 }
 
-/// Reads back the size and the format in force.
+/// Sets the requested size, and reads back the size and the format in force.
 Result<std::uint32_t> settle_format(ArvCamera* camera, const StreamRequest& request,
                                     CameraInfo& info) {
   AravisFault fault;

@@ -42,8 +42,8 @@ class V4l2Buffers {
   /// the buffer is not exported.
   DmaBuf memory(std::uint32_t index, std::size_t offset_bytes) const;
 
-  /// Lends a buffer that the driver has filled. Returns false if fewer than `kept` buffers would
-  /// stay with the driver.
+  /// Lends a buffer that the driver has filled. Returns false if it is not exported, or if fewer
+  /// than `kept` buffers would stay with the driver.
   bool lend(std::uint32_t index, std::size_t kept);
   /// Returns a lent buffer; its last user calls it.
   void give_back(std::uint32_t index);

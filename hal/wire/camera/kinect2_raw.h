@@ -84,7 +84,7 @@ class Kinect2DepthStream {
   /// Takes one packet. An empty, lost or damaged packet (`good` false) ends a picture.
   void feed(std::span<const std::uint8_t> packet, bool good, const Kinect2RawSink& sink);
   void restart();
-  /// Number of lost or damaged packets, of pictures of a wrong length, and of invalid footers.
+  /// Number of pictures with lost or damaged packets, a wrong length, or an invalid footer.
   std::uint64_t link_errors() const { return link_errors_; }
 
  private:

@@ -27,8 +27,8 @@ RealSenseMessage realsense_calibration_request();
 /// to another request; kUnsupported for a size that the table does not have.
 Result<DeviceIntrinsics> parse_realsense_calibration(std::span<const std::uint8_t> answer,
                                                      Size size);
-/// Whether the USB ids are those of a D400 camera, but not of the L515: a camera with a known unit
-/// of Z16.
+/// Whether the USB ids are those of a D400 camera: one that z16_metres_per_step() knows, except the
+/// L515.
 bool is_realsense_d400(std::uint16_t usb_vendor, std::uint16_t usb_product);
 
 }  // namespace mixrig::device

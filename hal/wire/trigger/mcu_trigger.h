@@ -45,8 +45,8 @@ class McuTrigger final : public TriggerMaster {
                                                       std::chrono::milliseconds(100), 30});
 
   const TriggerInfo& info() const override { return info_; }
-  /// Reads the status. After a reset of the controller it sends Hello again and counts
-  /// `controller_reset`.
+  /// Reads the status. After a reset of the controller it counts `controller_reset`, sends Hello
+  /// again, and then reads it.
   Result<TriggerStatus> status() override;
   Result<void> configure(int channel, const TriggerChannel& settings) override;
   Result<void> start() override;

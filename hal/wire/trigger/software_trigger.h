@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A trigger master without a trigger board: a thread switches lines as exactly as the scheduler
+// A trigger master without a trigger board: a thread switches lines as punctually as the scheduler
 // allows.
 #pragma once
 

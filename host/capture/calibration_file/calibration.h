@@ -103,7 +103,8 @@ struct Calibration {
 };
 
 /// Replaces entries by those of `newer` with the same name; the others stay. A camera without
-/// vignetting or lens table keeps the old one.
+/// vignetting keeps the old one; a pinhole without lens table keeps the old table if the picture
+/// size is the same.
 void merge(Calibration& into, const Calibration& newer);
 
 /// Reads a calibration file; cameras and poses are in alphabetical order. Errors: kNotFound,

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decodes colour pictures from the formats that cameras send.
 //
-// YUV is converted by libyuv, but for limited BT.709 and BT.2020: 1920x1080 YUYV takes 0.4 ms on
-// one core of an x86-64 server, NV12 0.5 ms, of BT.709 1.2 ms; Bayer 3.5 ms. Tables for another
-// transfer than sRGB add 1.8 ms to RGB and 0.3 ms to Bayer. Against BT.601 in exact
-// arithmetic the largest error is 0.8 in red, 0.7 in green and 2.6 in blue, of 255 (plain loops:
-// 0.8, 0.7, 0.7), because libyuv rounds the blue factor 2.017 to 2.
+// libyuv converts YUV, since it is faster than plain loops, except limited BT.709 and BT.2020,
+// whose blue factors it cannot hold (yuv.cpp). It rounds the blue factor 2.017 of BT.601 to 2:
+// against exact arithmetic the largest error is 2.6 of 255 in blue, and below 1 in red and green.
+// Tables for another transfer than sRGB cost time for each sample.
 //
 // MJPEG is decoded by libjpeg-turbo through its libjpeg interface (host/math/image_io). The
-// TurboJPEG interface with a kept handle gives the same pixels in the same time (6.4 ms against 6.4
-// ms for 1920x1080 4:2:2 of 240 kB), allocates in each frame as well, and reports only the first
-// warning: a picture with stray bytes between its markers, which is harmless, cannot be told apart
-// from a truncated one.
+// TurboJPEG interface gives the same pixels, is no faster, allocates in each frame as well, and
+// reports only the first warning: a picture with stray bytes between its markers, which is
+// harmless, cannot be distinguished from a truncated one.
 #pragma once
 
 #include <array>

@@ -21,7 +21,7 @@ struct CardArea {
 /// R'G'B' samples of a card at one exposure, before black level, transfer and gains.
 struct CardSamples {
   double exposure_s = 0;
-  bool cut = false;  ///< bytes are the upper halves of 16-bit samples: add half a step
+  bool cut = false;  ///< bytes are the upper ones of 16-bit samples: a sample is half a step more
   std::array<std::array<std::uint32_t, 256>, 3> counts{};  ///< histograms of red, green, blue
 
   /// Adds the pixels of a plate that a ColorDecoder of raw_settings() made. Precondition: `area`

@@ -19,9 +19,9 @@ struct LensSample {
 /// Longest gap between encoder values that is interpolated over.
 inline constexpr Duration kMostLensGap = std::chrono::milliseconds(100);
 
-/// Interpolates linearly between the two samples around `time`; returns the first or last sample if
-/// `time` is at most kMostLensGap / 2 beyond it. nullopt if the two samples lie further apart than
-/// kMostLensGap. Precondition: times grow. Pure.
+/// Interpolates linearly between the two samples around `time`; nullopt if these lie further apart
+/// than kMostLensGap. Before the first and after the last sample it returns that sample, for at
+/// most kMostLensGap / 2; nullopt beyond. Precondition: times grow. Pure.
 std::optional<geometry::LensEncoders> lens_at(std::span<const LensSample> samples, HostTime time);
 
 }  // namespace mixrig::capture

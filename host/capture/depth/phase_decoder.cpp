@@ -38,7 +38,7 @@ struct PhaseDecoder::PhaseRow {
   std::array<Row, 3> distance_m;  ///< distance modulo the frequency's range
   std::array<Row, 3> light;       ///< amplitude over contrast
   std::array<Row, 3> weight;      ///< one over the variance of the distance
-  std::array<Row, 3> judge;       ///< the same with the variance of multipath added
+  std::array<Row, 3> judge;       ///< weight with the variance of multipath added
   Row contrast_misfit, noise;
   std::array<std::int16_t, kColumns> most;  ///< largest of the nine samples
 };

@@ -23,7 +23,7 @@ struct PhaseCamera {
   double light_x_m = 0;
   double read_variance = 0;       ///< variance of a sample without light, counts^2
   double variance_per_light = 0;  ///< variance of a sample per count of light, counts^2
-  double phase_floor_turns = 0;   ///< sigma of a phase at any amount of light
+  double phase_floor_turns = 0;   ///< sigma of a phase that remains however strong the light
   double longest_m = 0;           ///< half of the longest light path that is considered
 };
 
@@ -55,15 +55,16 @@ inline constexpr float kLeastConfidence = 0.5F;
 
 /// Decodes frames. For each pixel
 /// 1. the phase of each frequency from its three samples (Lange and Seitz 2001, section II), its
-/// variance from the light;
+///    variance from the light;
 /// 2. for every number of wraps of the first frequency the wraps of the others that fit best, the
-/// weighted mean of the three distances, and the squared residuals over their variances: chi^2 with
-/// two degrees of freedom. The minimum is the maximum likelihood over the wraps; its distance to
-/// the second best says how certain the wraps are;
-/// 3. amplitudes over their contrasts agree where one surface is seen (chi^2 with two more);
-/// 4. neighbours: a surface has others beside it; a mean over those within the noise, weighted by
-/// their variances, in 3x3 pixels;
-/// 5. correction of multipath (BouncedLight) from means over the pixels of surfaces in a window.
+///    weighted mean of the three distances, and the squared residuals over their variances: chi^2
+///    with two degrees of freedom. The minimum is the maximum likelihood over the wraps; its
+///    distance to the second best says how certain the wraps are;
+/// 3. the test whether amplitudes over their contrasts agree, as they do where one surface is seen
+///    (chi^2 with two more degrees of freedom);
+/// 4. the test whether neighbours agree, as they do on a surface, and the mean of those within the
+///    noise, weighted by their variances, in 3x3 pixels;
+/// 5. the correction of multipath (BouncedLight) from means over the surface pixels of a window.
 /// Not thread-safe. Allocates nothing after construction.
 class PhaseDecoder {
  public:

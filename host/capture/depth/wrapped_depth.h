@@ -19,15 +19,16 @@ namespace mixrig::depth {
 /// Not thread-safe.
 class WrappedDepth {
  public:
-  /// Depth whose reflectivity is below this share of the median is wrapped. A mirror of the studio,
-  /// seen by a kinect2, is below it; black clothes in a dark room hardly ever are
+  /// Depth whose reflectivity is below this share of the median counts as wrapped. What a kinect2
+  /// sees in the studio's mirror is below it; black clothes in a dark room hardly ever are
   /// (docs/reference/studio.md).
   static constexpr float kLeastShare = 0.03F;
 
   /// `depth_is_distance`: depth is along the ray, not along z.
   WrappedDepth(const geometry::CameraModel& tof, bool depth_is_distance);
 
-  /// Sets wrapped depths to unknown (0) in place and returns their number. Allocates nothing.
+  /// Sets wrapped depths to unknown (0) in place and returns their number. Changes nothing if too
+  /// few pixels are known for a median. Allocates nothing.
   /// Precondition: pictures of the camera's size.
   int remove(ImageView<float> depth_m, ImageView<const float> amplitude);
 

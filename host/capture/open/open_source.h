@@ -44,8 +44,9 @@ live::DeviceOpener device_opener(const live::RigConfig& rig, const SourceKinds& 
 void leave_out_cameras(live::RigConfig& rig, bool keep_fisheye);
 
 /// Returns the part of a rig that a scene uses: the first camera, the fisheye of pose = "tracker",
-/// the depth camera, the head unless the pose comes from elsewhere (a fixed pose watches it), and
-/// the trigger if it fires one of the cameras. Other cameras are not opened.
+/// the depth cameras, the head unless the pose comes from elsewhere (with a fixed pose it is
+/// watched for motion), and the trigger if it fires one of the cameras. Other cameras are not
+/// opened.
 live::RigConfig used_by(const scene::Scene& scene, live::RigConfig rig);
 
 /// Returns `rig` without its trigger if that fires none of its cameras.

@@ -81,7 +81,7 @@ class Table {
   std::string name_;  ///< dotted name in the file, empty for the root
 };
 
-/// A TOML file with its read keys and its first error.
+/// A TOML file, with the keys that were read and the first error that was noted.
 class Document {
  public:
   /// Errors: kNotFound, kFormat (file:line).

@@ -44,8 +44,8 @@ class LensTable {
   static constexpr std::size_t kMostZooms = 32, kMostFocuses = 8;
 
   /// Makes a table from nodes in any order. Errors: kData unless they form a full grid of two or
-  /// more nodes of one picture size, for values that are not finite, and for a lens that folds
-  /// inside the picture at a node or midway between nodes.
+  /// more nodes of one picture size, at most kMostZooms x kMostFocuses, for values that are not
+  /// finite, and for a lens that folds inside the picture at a node or midway between nodes.
   static Result<LensTable> make(std::vector<LensNode> nodes);
 
   /// Returns the lens at these encoder values; outside the table they are clamped to its border

@@ -15,7 +15,7 @@ namespace mixrig::image_io {
 namespace {
 
 /// Filtered camera pictures have noise and few repeated strings, so only runs are compressed
-/// (Z_RLE). It takes 0.4 of the time of level 3 on a studio take, and its files are 2 % smaller.
+/// (Z_RLE): that is faster than a search for strings, and the files are no larger.
 constexpr int kStrategy = Z_RLE;
 
 struct PngRows {

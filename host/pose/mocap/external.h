@@ -33,9 +33,9 @@ struct ExternalInput {
   std::vector<Eigen::Vector3d> body_seen_m;  ///< its markers from the motion capture, any order
 };
 
-/// Result of the calibration. With pixels it holds the whole pose. With distances alone, as in
-/// Cortes Reina 2015, it holds the position; the orientation is taken from the tracking, and
-/// `body_from_camera` is degenerate.
+/// Result of the calibration. If all markers have pixels and sigma_range_m is given, it holds the
+/// whole pose. Otherwise it follows from distances alone, as in Cortes Reina 2015, and holds the
+/// position: the orientation is taken from the tracking, and `body_from_camera` is degenerate.
 struct ExternalCalibration {
   estimation::Estimate<geometry::Pose> world_from_body;
   estimation::Estimate<geometry::Pose> body_from_camera;

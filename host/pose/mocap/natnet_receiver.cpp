@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kMostBytes = 65536;  // largest datagram
 constexpr Duration kRequestEvery = std::chrono::seconds(1);
 constexpr int kRestart = 1000;  // numbers this far back: the server restarted
-// After so many frames in a row that continue an earlier number the server restarted.
+// After so many frames in a row with rising numbers below the last one the server restarted.
 constexpr int kBackRun = 5;
 // More frames than this cannot have been sent since the last one: the server restarted.
 constexpr double kMostRate_hz = 2000;
@@ -239,7 +239,8 @@ bool NatNetReceiver::is_next(int number, HostTime now) {
   return true;
 }
 
-/// Whether a number that is not above the last one continues an earlier run.
+/// Notes a number that is not above the last one. Returns whether the last kBackRun numbers were
+/// such and rose: the server restarted.
 bool NatNetReceiver::goes_on_from_before(int number) {
   back_run_ = back_run_ > 0 && number > *back_number_ ? back_run_ + 1 : 1;
   back_number_ = number;

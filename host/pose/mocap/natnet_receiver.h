@@ -26,8 +26,8 @@ struct NatNetAddress {
 Result<NatNetAddress> parse_natnet_address(const std::string& uri);
 
 /// Counts of datagrams. A frame is lost if numbers jump, late if they do not increase. If numbers
-/// continue an earlier run, or jump by more than a server can send in that time, the server
-/// restarted, and nothing counts as lost.
+/// go far back, or go back and then rise for several frames, or jump by more than a server can send
+/// in that time, the server has restarted, and nothing counts as lost.
 struct NatNetCounts {
   long frames = 0, lost = 0, late = 0;
   long malformed = 0;  ///< datagrams that are no NatNet packet

@@ -39,8 +39,8 @@ struct PoseTrackOptions {
   bool host_time = false;     ///< samples have host times, and their clock is not mapped
 };
 
-/// The last kKept samples of a stream. Its clock is mapped to the host's by the least delay
-/// (sync::DeviceClock), whose constant part is `delay_s`. Thread-safe.
+/// The last kKept samples of a stream, half a second or more. Its clock is mapped to the host's by
+/// the least delay (sync::DeviceClock), whose constant part is `delay_s`. Thread-safe.
 class PoseTrack {
  public:
   explicit PoseTrack(PoseTrackOptions options) : options_(options) {}

@@ -21,10 +21,10 @@ inline constexpr std::size_t kMostSmoothed = 32;
 
 /// Returns the pose at `time_s`. Each coordinate of the rotation vector and the position about the
 /// nearest pose is a smoothing spline (Wahba 1990) through those of `around`, weighted by their
-/// variances. The motion's jerk is white noise; results for four strengths of it, from a stand to a
-/// jolt, are averaged by their likelihood, so that a sudden motion is followed and a steady one
-/// smoothed. Poses on both sides give a result without lag. Precondition: 1 to kMostSmoothed poses,
-/// their times grow. The covariance is that of the nearest pose, and at least the spline's
+/// variances. The motion's jerk is white noise; results for four strengths of it, from standstill
+/// to a jolt, are averaged by their likelihood, so that a sudden motion is followed and a steady
+/// one smoothed. Poses on both sides give a result without lag. Precondition: 1 to kMostSmoothed
+/// poses, their times grow. The covariance is that of the nearest pose, and at least the spline's
 /// variances, since errors that the poses have in common do not average out. Does not allocate.
 MeasuredPose smooth_at(std::span<const MeasuredPose> around, double time_s);
 

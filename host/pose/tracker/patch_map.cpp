@@ -168,8 +168,8 @@ Level finest_level(const model::Panorama& room, double finest_rad) {
   return {grey_of(room.color, factor), room, own_rad * factor};
 }
 
-/// Keeps the best patch of each cell: `rows` bands of elevation, each split into cells that are
-/// about square.
+/// Divides all directions into cells of about equal solid angle: bands of elevation, each divided
+/// into cells that are about square.
 class Cells {
  public:
   explicit Cells(int count)

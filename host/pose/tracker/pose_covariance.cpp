@@ -63,8 +63,8 @@ class CommonError {
     }
     by_variance_ -= (inverse * pulls_).trace();
   }
-  /// Returns the covariance of the right side of the normal equations, if patches have independent
-  /// errors of variance `own`.
+  /// Returns the covariance of the right side of the normal equations that the shared errors cause,
+  /// if patches also have independent errors of variance `own`.
   SixBySix covariance(double own) const {
     if (!(by_variance_ > 0)) return SixBySix::Zero();
     return std::max(0.0, squares - own * std::max(0.0, freedom - 6)) / by_variance_ * pulls_;
@@ -77,7 +77,7 @@ class CommonError {
     int patches = 0;
     Eigen::Matrix<double, N, N> information = Eigen::Matrix<double, N, N>::Zero();
     Eigen::Matrix<double, N, 1> score = Eigen::Matrix<double, N, 1>::Zero();
-    /// Effect of the error on the right side of the normal equations.
+    /// Derivative of the right side of the pose's normal equations by the error.
     Eigen::Matrix<double, 6, N> pull = Eigen::Matrix<double, 6, N>::Zero();
   };
   std::array<Part, kParts> parts_{};

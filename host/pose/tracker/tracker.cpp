@@ -85,8 +85,8 @@ std::optional<PatchFit> Tracker::follow(double time_s) {
   const geometry::Pose camera_from_room = geometry::inverse(*start);
   const int fine = std::min(align_.coarsest(), options_.align.finest + 1);
   PatchFit best = align_.align(picture_, camera_from_room, fine, options_.align.finest);
-  // If most patches do not agree, those that do may agree by chance: blur, repeating texture,
-  // people.
+  // If most patches do not agree, an alignment from the coarsest level may be right where this one
+  // is not: blur, repeating texture, people.
   constexpr double kMost = 0.5;
   for (const auto& from : {camera_from_room, geometry::inverse(last_->room_from_camera)}) {
     if (best.inliers > kMost * best.visible && explains(best)) break;

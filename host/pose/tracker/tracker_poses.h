@@ -20,7 +20,7 @@ struct TrackerPoseOptions {
   /// Latency, 0 to 0.5: poses are smoothed over the pictures up to this time before and after;
   /// `predict` then decides whether the head's angles are used.
   double smooth_s = 0;
-  std::optional<calibration_file::PanTilt> head;
+  std::optional<calibration_file::PanTilt> head;  ///< carries the target camera; for `predict`
   tracking::TrackerOptions tracker;
   int threads = 0;  ///< 0: one per core
 };

@@ -36,7 +36,8 @@ class Player : public std::enable_shared_from_this<Player> {
                                                 const std::string& uri, Clock& clock);
   ~Player();
 
-  /// Return a camera of the recording, each at most once. The cameras keep the player alive.
+  /// Return a camera of the recording; call each of these once at most. The cameras keep the player
+  /// alive.
   std::unique_ptr<device::Camera> camera();
   std::unique_ptr<device::DepthCamera> depth();
   /// Returns the second depth camera. Its pictures come with their frames, stamped with their own
@@ -45,8 +46,8 @@ class Player : public std::enable_shared_from_this<Player> {
   /// Returns the fisheye. Errors: kData for a recording without fisheye pictures in its first two
   /// seconds.
   Result<std::unique_ptr<device::Camera>> fisheye();
-  /// Returns the head; only once if it can be moved. Errors: kData for a recording whose first
-  /// frame has no angles.
+  /// Returns the head; if it can be moved, call this once. Errors: kData for a recording whose
+  /// first frame has no angles.
   Result<std::unique_ptr<device::PanTilt>> pan_tilt();
   /// Sets the time of the first frame, so that other programs can play in parallel. If the last
   /// camera starts after that time it fails with kUsage. Call it before the first start.

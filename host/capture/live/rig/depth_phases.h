@@ -12,7 +12,7 @@ namespace mixrig::live {
 struct DepthPhases {
   bool overlap = false;  ///< they certainly expose at the same time
   bool known = true;     ///< false: rig.toml does not determine whether they do
-  std::string line;      ///< the finding in one line, with advice if they overlap
+  std::string line;      ///< the finding in one line; with advice if they overlap or it is unknown
   Duration apart{};      ///< from a pulse of the first to the next of the second, if triggered
 };
 

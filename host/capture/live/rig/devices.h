@@ -99,7 +99,8 @@ struct Devices {
 Result<void> check_unit(const RigConfig& rig, const device::DepthCamera& camera,
                         const DepthConfig* steps = nullptr);
 /// Opens and sets up all devices that rig.toml names; stops at the first error. A missing device is
-/// kDevice, not kNotFound: it may be plugged in later, and rig.toml is not wrong.
+/// kDevice, not kNotFound: it may be plugged in later, and rig.toml is not wrong. In a rig that
+/// plays recordings it stays kNotFound: the recording may be missing.
 Result<Devices> open_devices(const RigConfig& rig, DeviceOpener opener);
 /// Sets exposure, gain, focus, white balance and zoom as given in rig.toml. Errors: those of
 /// Camera::set.

@@ -94,8 +94,8 @@ std::string_view transfer_word(device::Transfer transfer);
 Result<RigConfig> read_rig(const std::filesystem::path& path);
 /// Parses the text of a rig.toml; `name` stands for the file. Pure. Errors: kFormat.
 Result<RigConfig> parse_rig(std::string_view text, const std::string& name);
-/// Returns the rig as rig.toml, from which parse_rig() reads back the same rig, without its
-/// calibration.
+/// Returns the rig as rig.toml, from which parse_rig() reads back the same rig, without calibration
+/// and world_from_target.
 std::string rig_text(const RigConfig& rig);
 
 }  // namespace mixrig::live

@@ -50,9 +50,9 @@ class LiveSession {
   /// Stops the devices first, then the threads, in the order of the data. Does nothing when
   /// stopped.
   void stop();
-  /// Returns the next set; empty if none came in time. The oldest is dropped when two wait already.
-  /// A set whose angle is not known yet (the head moves) is held until it is, at most kHeadPatience
-  /// (live_session.cpp).
+  /// Returns the next set; empty if none came in time. When a set comes and two wait already (with
+  /// a head three), the oldest is dropped. A set whose angle is not known yet (the head moves) is
+  /// held until it is, but not longer than 155 ms after its mid-exposure (kHeadPatience).
   std::optional<LiveSet> next(Duration timeout) { return sets_.pop(timeout); }
   /// Moves the head, between two of its answers, and returns when it has accepted the command.
   /// Errors: kUsage if the session does not run or the rig has no head; those of

@@ -27,7 +27,7 @@ struct SweepFacts {
 Result<SweepFacts> sweep_facts(const RigConfig& config, const Devices& devices);
 
 /// A SweepRig on a running rig. The run's source passes its decoded captures between follow() and
-/// end(), while somebody listens; the thread of its session moves the head. A run that is slower
+/// end(), while listening is on; the thread of its session moves the head. A run that is slower
 /// than the cameras passes fewer. The source calls follow(), give() and end(); any one thread calls
 /// the rest.
 class RunningRig final : public SweepRig {

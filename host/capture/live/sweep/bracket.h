@@ -15,9 +15,9 @@ namespace mixrig::live {
 /// Takes plates at other exposures and restores the exposure, also when it is destroyed. A control
 /// has taken effect when the camera reports so (get()), a frame was exposed after it was set, its
 /// picture is darker or brighter than the last one by the expected ratio (within a factor of 1.3,
-/// over the pixels that are well exposed in both), and the next picture is as bright. This must
-/// happen within three seconds and twenty pictures, or within a minute if fewer come. If too few
-/// pixels are well exposed in both, it waits for half a second of frames instead. Not thread-safe.
+/// over the pixels that capture::add_log_ratios() compares), and the next picture is as bright.
+/// This must happen within three seconds and twenty pictures, or within a minute if fewer come. If
+/// too few pixels can be compared, it waits for half a second of frames instead. Not thread-safe.
 class ExposureBracket {
  public:
   static constexpr int kPlates = 3;  ///< plates per exposure

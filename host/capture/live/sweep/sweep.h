@@ -82,8 +82,9 @@ class ViewTaker {
   std::optional<double> first_away_rad_, away_rad_;
   /// Last time nearer to the view, with a frame, with an angle.
   HostTime nearer_{}, framed_{}, angled_{};
-  std::optional<HostTime> arrived_, stands_;  ///< first arrival; begin of the present stand
-  PictureShift color_shift_, depth_shift_;    ///< shift of the last frame that did not agree
+  /// When the unit first arrived; since when it has been at the view without a break.
+  std::optional<HostTime> arrived_, stands_;
+  PictureShift color_shift_, depth_shift_;  ///< shift of the last frame that did not agree
   int restarts_ = 0;
 };
 

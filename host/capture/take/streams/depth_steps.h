@@ -12,7 +12,7 @@ namespace mixrig::take {
 /// Meaning of the 16-bit steps of a stream: value = offset + step * unit.
 struct Steps {
   double unit = 1, offset = 0;
-  int unknown = 0;  ///< step without a value; read as 0
+  int unknown = 0;  ///< step that means "no value"; from_steps() makes it 0
 };
 
 inline Steps depth_steps(const TakeInfo& info) {
@@ -26,7 +26,8 @@ inline Steps depth_steps(const capture::SecondDepthCamera& camera) {
 /// Converts floats to steps, rounded; values that are not finite, not positive or out of range
 /// become unknown. Reuses the memory of `out`.
 void to_steps(const Image<float>& image, const Steps& steps, Image<std::uint16_t>& out);
-/// Converts steps to floats. Reuses the memory of `out`.
+/// Converts steps to floats; unknown steps and negative values become 0. Reuses the memory of
+/// `out`.
 void from_steps(const Image<std::uint16_t>& image, const Steps& steps, Image<float>& out);
 
 }  // namespace mixrig::take

@@ -18,7 +18,7 @@ namespace mixrig::take {
 
 inline constexpr const char* kRawKinect2 = "kinect2";
 inline constexpr const char* kRawPattern = "raw/%06d.bin";
-/// Files of the take's raw stream with the tables of the device.
+/// Tables of the device, in the folder of the frames.
 inline constexpr const char* kRawOffsets = "phase_offsets.bin";
 inline constexpr const char* kRawInfrared = "infrared.bin";
 

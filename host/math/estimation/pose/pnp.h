@@ -14,8 +14,7 @@ namespace mixrig::estimation {
 /// reprojection error, for pinhole and fisheye lenses. Covariance: see pose_error(), 6x6.
 /// Residuals: length of the whitened error per point, in sigmas. Degenerate: fewer than 4 points,
 /// collinear points, a second pose that fits as well (the flip of a small or distant plane), points
-/// behind the
-/// camera, contradicting points, values that are not finite.
+/// behind the camera, contradicting points, values that are not finite.
 Estimate<geometry::Pose> solve_pnp(std::span<const Eigen::Vector3d> points_m,
                                    std::span<const Bearing> bearings);
 

@@ -44,8 +44,8 @@ inline geometry::Pose moved(const geometry::Pose& pose, const Eigen::Matrix<doub
           pose.translation_m + scale_m * x.tail<3>()};
 }
 
-/// Returns pose_error() of the measured eye_from_target against the one that follows from two poses
-/// in a common base.
+/// Returns pose_error() of the eye_from_target that follows from two poses in a common base,
+/// against the measured `eye_from_target`.
 template <typename T>
 Eigen::Matrix<T, 6, 1> chain_error(const PoseT<T>& base_from_eye, const PoseT<T>& base_from_target,
                                    const geometry::Pose& eye_from_target) {
