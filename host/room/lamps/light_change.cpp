@@ -74,11 +74,14 @@ void find_gain(LightChange& change) {
 /// Evidence of one surface about a source.
 struct SurfaceVote {
   int places = 0;
-  double share = 0, light = 0;   ///< sums of the source's share, and of its square
-  double changed = 0, same = 0;  ///< sums of squares off what each way of it explains
+  double share = 0, light = 0;  ///< sums of the source's share, and of its square
+  /// Sums of squared, limited residuals: where the source changed as it showed, and where it
+  /// changed by LightChange::gain.
+  double changed = 0, same = 0;
 };
 
-/// A shadow, or a thing that moved, shows on few of the surfaces that a source lights.
+/// Finds the share of each source's light on surfaces that confirm its change. A shadow, or a thing
+/// that moved, shows on few of the surfaces that a source lights.
 void find_agreement(std::span<const WatchedPlace> places, double most_off, LightChange& change) {
   const Eigen::Index sources = change.shown.size();
   change.agreed = Eigen::VectorXd::Zero(sources);
