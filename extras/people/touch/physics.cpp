@@ -196,7 +196,7 @@ void Physics::place(int object, const geometry::Pose& world_from_object) {
   s.poses[static_cast<std::size_t>(object)] = world_from_object;
 }
 
-/// Sets the sides as planes, and the map's other occupied cells as runs along x.
+/// Makes boxes of the map's occupied cells that no side covers, in runs along x, and of the sides.
 void Physics::set_room(const plan::FloorMap& room, std::span<const RoomSide> sides) {
   State& s = *state_;
   const auto top = [&](int x, int y) {

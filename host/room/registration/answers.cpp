@@ -27,7 +27,7 @@ bool within(const Pose& p, const Pose& q, double most_m, double most_rad) {
          p.rotation.angularDistance(q.rotation) < most_rad;
 }
 
-/// By index: std::stable_sort's own buffer does not keep the alignment of a pose.
+/// Sorts by index, since std::stable_sort's own buffer does not keep the alignment of a pose.
 template <typename Value>
 void sort_answers(std::vector<Answer>& answers, std::size_t first_ones, const Value& value) {
   std::vector<std::size_t> order(first_ones);

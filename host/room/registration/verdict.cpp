@@ -38,7 +38,8 @@ std::string near_text(const geometry::Pose& p) {
                      p.translation_m.z(), std::atan2(-ahead.x(), ahead.y()) / kDeg);
 }
 
-/// A smaller overlap with less against it is as good an explanation of what both rooms see.
+/// Whether another answer explains what both rooms see as well as the best: also one of smaller
+/// overlap that fewer places contradict.
 bool is_rival(const Answer& other, const Answer& best) {
   const double worse = best.evidence.agreeing() - other.evidence.agreeing();
   if (other.evidence.of_all() >= kNearlyAsGood * best.evidence.of_all())

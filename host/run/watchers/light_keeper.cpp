@@ -99,7 +99,7 @@ class LightSink final : public output::CompositeSink {
     const std::lock_guard lock(mutex_);
     return std::exchange(found_, {});
   }
-  /// The last look found a change that is not in use.
+  /// Whether the last measurement found a change that is not in use yet.
   bool looks_soon() const { return looks_soon_; }
   const LightReport& report() const { return report_; }
 
@@ -169,7 +169,7 @@ void LightSink::learn(const geometry::Pose& world_from_camera) {
   for (const Known& known : known_) told_by_all_ += known.share.cwiseAbs2();
 }
 
-/// Their surface as it is seen, world.
+/// Columns around the surface of people that the camera sees, in world axes.
 lights::BodyColumns LightSink::people(const output::Composite& composite) {
   const Image<float>& depth_m = composite.images.segmented_depth_m;
   const Eigen::Matrix4d world_from = composite.world_from_target.matrix();
@@ -193,7 +193,7 @@ bool LightSink::may_be_hidden(const Known& known, const lights::BodyColumns& peo
   return false;
 }
 
-/// Places that neither people nor their shadows cover.
+/// Fills places_ with places that neither people nor their shadows cover.
 void LightSink::gather(const output::Composite& composite) {
   const Image<Rgb8>& plate = plate_of(*composite.capture);
   const lights::BodyColumns bodies = people(composite);
@@ -207,8 +207,8 @@ void LightSink::gather(const output::Composite& composite) {
   }
 }
 
-/// Factors that two looks agree on; the others stay as they are in use, and so do those of sources
-/// whose light people cover or may hide.
+/// Factors on which two measurements in a row agree; the others stay as they are in use, and so do
+/// those of sources whose light people cover or may hide.
 std::vector<double> LightSink::repeated(const std::vector<double>& now) {
   bool differs = false;
   Eigen::VectorXd told_by = Eigen::VectorXd::Zero(told_by_all_.size());

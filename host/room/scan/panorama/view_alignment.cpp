@@ -192,7 +192,7 @@ bool is_inside(Size size, const Vector2d& px, int reach) {
          px.y() <= size.height - 1 - reach;
 }
 
-/// Leaves evenly spaced ones.
+/// Keeps at most kSamplesOfView samples, evenly spaced.
 void thin_out(std::vector<AlignSample>& samples) {
   const std::size_t every = samples.size() / kSamplesOfView + 1;
   std::size_t kept = 0;
@@ -227,7 +227,7 @@ void Aligner::find_samples_of(std::size_t from) {
   thin_out(samples_[from]);
 }
 
-/// Point to plane, with the plane of the other view at the point's own pixel there.
+/// Distance of a point to the plane of the other view at the point's pixel there.
 std::optional<Difference> Aligner::distance(const AlignSample& sample) const {
   const Posed& to = posed_[sample.to];
   const ScanView& other = views_[sample.to];
