@@ -48,7 +48,7 @@ struct Profile {
     if ((p.may_go_on & SurfacePoint::kRight) != 0) bin.goes_on_right_m2 += p.area_m2;
     area_m2 += p.area_m2, along_m3 += double{p.area_m2} * d_m;
   }
-  /// Up to where a share of the surface lies.
+  /// Position up to which a share of the surface lies.
   double quantile_m(double share) const {
     double before_m2 = 0;
     for (int i = 0; i < kBins; ++i) {
@@ -132,7 +132,7 @@ struct SeenBody {
   double width_m() const { return trunk.left().u_m - trunk.right().u_m; }
 };
 
-/// The lower part of a body that is hidden in part is no smaller body.
+/// Seen part of a cluster's body. A body of which only the lower part is seen keeps its height.
 SeenBody look_at(const Cluster& cluster, const Eigen::Vector3d& eye_m, const KnownBody& known) {
   const double height_m = std::max(cluster.top_m, kSitsDown * known.height_m);
   SeenBody seen(cluster, eye_m, height_m);

@@ -264,7 +264,7 @@ void ClusterFinder::drop_parts() {
   }
 }
 
-/// Points by component, and what is said of each.
+/// Makes clusters of the components: their points, and what find() reports of each.
 void ClusterFinder::group() {
   order_.clear();
   for (std::size_t c = 0; c < used_; ++c)
