@@ -16,7 +16,8 @@ namespace mixrig::calibration {
 /// Name of a second depth camera in views.toml and calibration.toml.
 inline constexpr const char* kSecondDepthCamera = "tof2";
 
-/// At most one depth camera takes part: its error is one of the unknowns.
+/// Options of a rig's calibration. At most one depth camera takes part: its error is one of the
+/// unknowns.
 struct RigOptions {
   std::vector<std::string> cameras;  ///< names, the target camera first; empty: all
   bool pixels = true;                ///< false: corners alone
@@ -49,8 +50,8 @@ struct RigReport {
 /// Receives the name of the step and its progress. Called from any thread, one call at a time.
 using RigProgress = std::function<void(const char* what, int done, int total)>;
 
-/// Errors: kUsage, kNotFound, kFormat of the set; kData where it does not determine a
-/// calibration, with the reason and what to do.
+/// Calibrates the cameras of a rig together. Errors: kUsage, kNotFound, kFormat of the set; kData
+/// where it does not determine a calibration, with the reason and what to do.
 Result<RigReport> calibrate_rig(const ViewSet& set, const RigOptions& options,
                                 const RigProgress& progress);
 

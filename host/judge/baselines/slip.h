@@ -31,7 +31,7 @@ struct SlipReport {
   std::optional<double> within_95_pct;
 };
 
-/// Nothing allocates after construction. One thread.
+/// Measures slip frame by frame. Nothing allocates after construction. One thread.
 class SlipWatch {
  public:
   /// `contacts_m`: contact points in world axes; `view`: the view that is composited.
