@@ -38,7 +38,7 @@ struct ScrapSums {
   std::uint64_t frames = 0;
   std::array<std::uint64_t, kScrapKinds> scraps{};  ///< number of each kind
   std::uint64_t scrap_pixels = 0, specks = 0, ghost_pixels = 0;
-  std::uint64_t changed_pixels = 0;  ///< in scraps that appear or vanish between two frames
+  std::uint64_t changed_pixels = 0;  ///< that are in a scrap in one of two frames in a row alone
   int largest_px = 0;
 };
 

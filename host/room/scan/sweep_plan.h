@@ -33,8 +33,8 @@ struct SweepPlan {
 
 /// Plans rows of equal tilt; every row has as few views as cover its band of elevations, fewer
 /// towards the poles. The number of rows is the one with the fewest views in all. Found by trying
-/// directions 1.5 degrees apart. Errors: kUsage for values out of range, and where `most_views` do
-/// not cover a row.
+/// directions 1.5 degrees apart. Errors: kUsage for values out of range, where no plan covers the
+/// field, and where `most_views` do not cover a row.
 Result<SweepPlan> plan_sweep(const SweepTask& task);
 
 /// Whether the camera of `task` at `view` sees a direction (azimuth as pan, elevation as tilt),
