@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "extras/kinect2/usb_streams.h"
 #include "hal/base/clock.h"
+#include "extras/kinect2/usb_streams.h"
 
 namespace mixrig::device {
 
