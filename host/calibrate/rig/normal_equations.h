@@ -47,8 +47,8 @@ using ViewFunction =
 
 struct SolveOptions {
   int most_steps = 30;
-  double least_gain =
-      1e-3;  ///< stops where a step is predicted to gain less, in mean squared residuals
+  /// Stops where a step is predicted to gain less, in mean squared residuals.
+  double least_gain = 1e-3;
   /// Weights of a prior at the start values of shared parameters; may be empty.
   Eigen::VectorXd prior;
 };
