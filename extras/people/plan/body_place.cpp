@@ -15,7 +15,7 @@ constexpr double kTrunkFrom = 0.5, kTrunkTo = 0.82;  ///< of the height: hips to
 /// Product of the trunk's half axes, per height and mean half width: tall bodies are deep.
 constexpr double kDepthShare = 0.09;
 constexpr double kLeastHalf_m = 0.12, kMostHalf_m = 0.28;
-constexpr double kTrunk_m2 = 0.04;  ///< seen, for it to tell a place
+constexpr double kTrunk_m2 = 0.04;  ///< least seen surface of a trunk that gives a position
 constexpr double kAlongSigma_m = 0.018, kAcrossSigma_m = 0.012;
 // Errors by hidden parts are alike in many frames, which a filter would treat as independent. These
 // sigmas are therefore about three times the errors.

@@ -15,12 +15,12 @@ namespace {
 
 constexpr std::size_t kLeastPlaces = 100;
 constexpr int kFitRounds = 12, kFitSweeps = 200;
-constexpr double kPriorOfOthers = 1e-4;  // weight of "as all others" in a place
-constexpr double kTukeySigmas = 4.685;   // sigmas
+constexpr double kPriorOfOthers = 1e-4;  // weight for a source to change as the others do
+constexpr double kTukeySigmas = 4.685;   // residuals beyond have no weight
 constexpr double kLeastScatter = 0.02;   // of a ratio: noise and rounding of one plate pixel
-constexpr double kAgrees = 0.08;         // of two sources' change
-constexpr double kSurfaceShare = 0.05;   // of a surface's light: less of a source tells nothing
-constexpr int kSurfacePlaces = 4;        // that tell of a surface
+constexpr double kAgrees = 0.08;         // relative difference of two changes that agree
+constexpr double kSurfaceShare = 0.05;   // least mean share of a source in a surface's light
+constexpr int kSurfacePlaces = 4;        // least number of places of a surface
 
 /// Normal equations of weighted least squares.
 struct Normal {

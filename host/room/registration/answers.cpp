@@ -18,7 +18,7 @@ constexpr double kCoarseGate_m = 0.06;
 constexpr double kApart_m = 0.1, kApart_rad = 3 * kDeg;
 constexpr std::size_t kMostAnswers = 12, kMostAgreeing = 4;  ///< that are refined
 constexpr double kWorthRefining = 0.75;                      ///< of the evidence of the best
-constexpr double kWorthAgreeing = 0.1;                       ///< less than the best agrees
+constexpr double kWorthAgreeing = 0.1;  ///< agreeing share below that of the best answer
 constexpr double kNear_m = 0.75, kNear_rad = 25 * kDeg;
 constexpr double kAlongStep_rad = 13 * kDeg, kSlide_m = 0.1;
 

@@ -23,21 +23,21 @@
 namespace mixrig::session {
 namespace {
 
-constexpr int kSoon = 2;      // frames to the next look, where one has found what is not in use
-constexpr int kLookStep = 5;  // frames: six looks a second at 30 Hz
+constexpr int kSoon = 2;      // frames to the next measurement if one found a change not in use
+constexpr int kLookStep = 5;  // frames: six measurements a second at 30 Hz
 constexpr std::size_t kMostEvents = 100;
 constexpr double kTold = 0.2;       // change of a factor that is an event
-constexpr double kSame = 0.15;      // less is none: what the room hides of a lamp is not known
-constexpr double kOfLight = 0.02;   // less of all light is no change: people hide lamps too
-constexpr double kCertain = 3;      // sigmas of both
-constexpr double kAgreed = 0.6;     // of a source's light, by surfaces: a shadow shows on few
-constexpr int kLeastSurfaces = 3;   // that a change shows on
-constexpr double kRepeated = 0.15;  // of a factor, from one look to the next: shadows move
-constexpr double kSurface_m = 1;    // side of the cells that places of one surface lie in
-constexpr double kHidden = 0.15;  // share of a lamp that people may hide from a place that is used
-constexpr double kLeastSeen = 0.5;  // of what the places tell of a source, else it stays as it is
+constexpr double kSame = 0.15;      // least change: occlusion of lamps by the room is not exact
+constexpr double kOfLight = 0.02;   // least change as a share of all light: people hide lamps too
+constexpr double kCertain = 3;      // least change in its sigmas
+constexpr double kAgreed = 0.6;     // least LightChange::agreed: a shadow shows on few surfaces
+constexpr int kLeastSurfaces = 3;   // least number of surfaces that show a change
+constexpr double kRepeated = 0.15;  // largest difference of two measurements that agree
+constexpr double kSurface_m = 1;    // side of the cells in which places are one surface
+constexpr double kHidden = 0.15;    // least share in a place's light of a lamp that must be visible
+constexpr double kLeastSeen = 0.5;  // least share of a source's evidence, else its factor stays
 constexpr int kPeopleStep_px = 4;   // between pixels of people
-constexpr double kExplained = 0.5;  // of the places, else nothing is changed
+constexpr double kExplained = 0.5;  // least share of explained places, else nothing is changed
 constexpr float kDarkest = 0.02F, kBrightest = 0.85F;  // linear
 
 float luminance_of(const Rgb8& c) {

@@ -22,9 +22,9 @@ using Eigen::Vector3d;
 constexpr double kMostMedianTurn_rad = 0.5 * kDeg;  ///< of a unit whose depth camera is right
 constexpr int kPointsOfView = 3000;                 ///< at most, on a grid
 constexpr std::size_t kSamplesOfView = 6000;        ///< at most: points that other views see
-constexpr int kBlock_px = 16;                       ///< held out together
+constexpr int kBlock_px = 16;                       ///< side of blocks that are held out whole
 constexpr int kNormal_px = 4;                       ///< reach of a surface's normal
-constexpr double kOther_m = 0.15;                   ///< further away is another surface
+constexpr double kOther_m = 0.15;                   ///< a point farther off is another surface
 constexpr double kColorNoise = 2;                   ///< bytes of sRGB
 constexpr double kColorShift_px = 0.4;              ///< of a level: what resampling may shift
 constexpr double kDepthFloor_m = 1e-3;
@@ -32,7 +32,7 @@ constexpr double kCauchy = 2;                   ///< sigmas at which a residual 
 constexpr double kUnitSigma_rad = 0.02 * kDeg;  ///< of the prior on turns
 constexpr int kFinest = 2;                      ///< pixels of the plate a pixel of the last level
 constexpr int kStepsOfLevel = 4;
-constexpr double kLeastGain = 0.05;  ///< of the held-out error
+constexpr double kLeastGain = 0.05;  ///< least share by which a turn lowers the held-out error
 
 /// Unit ray of a pixel; zero where the lens has none.
 struct UnitRay {
