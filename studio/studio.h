@@ -46,7 +46,7 @@ enum class RigPreset { kSr3000, kKinect2, kHelios2 };
 
 std::string_view name(Scenario scenario);
 std::string_view name(RigPreset rig);
-/// Errors: kUsage; the line lists the names that exist.
+/// Parses a name. Errors: kUsage; the line lists the names that exist.
 Result<Scenario> parse_scenario(std::string_view text);
 Result<RigPreset> parse_rig(std::string_view text);
 /// A rig, and a second depth camera where there is one.
@@ -54,7 +54,7 @@ struct RigWords {
   RigPreset rig = RigPreset::kKinect2;
   std::optional<RigPreset> second_tof;
 };
-/// RIG or RIG+SECOND. Errors: kUsage.
+/// Parses RIG or RIG+SECOND. Errors: kUsage.
 Result<RigWords> parse_rig_words(std::string_view text);
 
 /// Scenario sweep: where the head stands still, view by view. The time between views is not in the
@@ -89,7 +89,7 @@ struct ThinLens {
   double focus_m = 3;     ///< z that is sharp, 0.1..100
 };
 
-/// Frames of every camera of a take.
+/// Rate of the frames of a take.
 inline constexpr double kFrameRate_hz = 25;
 
 /// Focus pull: from a time of the take on the target camera's lens is sharp at another distance

@@ -6,7 +6,8 @@
 
 namespace mixrig::studio {
 
-/// Errors: kUsage for a value out of its range, and for two that exclude each other.
+/// Checks the options. Errors: kUsage for a value out of its range, and for two that exclude each
+/// other.
 Result<void> check_studio_options(const StudioOptions& options);
 
 }  // namespace mixrig::studio

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kLensPoints = 97, kLensBand = 4;
 
-/// Evenly spread over the unit disc, on a spiral.
+/// Point `i` of kLensPoints on the unit disc, evenly spread along a spiral.
 Eigen::Vector2d lens_point(int i) {
   const double radius = std::sqrt((i + 0.5) / kLensPoints);
   const double angle = std::numbers::pi * (3 - std::sqrt(5.0)) * i;
@@ -20,8 +20,8 @@ Eigen::Vector2d lens_point(int i) {
 
 }  // namespace
 
-/// From each point of the aperture the picture is that of a pinhole there, moved so that what lies
-/// at the focus stays where it is.
+/// Averages pictures of pinholes at points of the aperture, each moved so that surfaces at the
+/// focus stay in place.
 void Studio::State::draw_through_lens(const CameraPlace& place, Image<Rgb8>& composite) {
   const Size size = options.size_px;
   const Rect all{0, 0, size.width, size.height};

@@ -12,7 +12,7 @@
 
 namespace mixrig::studio {
 
-/// Distance of the surface point that is nearest to a box, or deepest in it.
+/// Signed distance and position of the surface point that is nearest to a box, or deepest in it.
 struct BoxDistance {
   double m = 0;  ///< negative: inside, the distance to the nearest face
   Eigen::Vector3d at_m = Eigen::Vector3d::Zero();  ///< world

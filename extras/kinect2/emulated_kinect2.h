@@ -29,9 +29,10 @@ class EmulatedKinect2 {
   /// Makes the driver's end of the pipes; one at a time.
   std::unique_ptr<UsbStreams> pipes();
 
-  /// Sends sub-packets of 298648 bytes one after the other, in isochronous packets of 33792 bytes,
-  /// followed by an empty one each; they are lost unless the driver streams. Counting all packets
-  /// from 0, number `lost` is marked as lost and number `cut` is 100 bytes short; -1: none.
+  /// Sends sub-packets of 298648 bytes one after the other, each in isochronous packets of 33792
+  /// bytes and an empty one behind; they are lost unless the driver streams. Of the packets with
+  /// data, counted from 0, number `lost` is marked as lost and number `cut` is 100 bytes short; -1:
+  /// none.
   void send_depth(std::span<const std::uint8_t> sub_packets, int lost = -1, int cut = -1);
   /// Sends a colour packet in bulk transfers of 16384 bytes.
   void send_color(std::span<const std::uint8_t> packet);

@@ -18,7 +18,7 @@ constexpr std::array<std::uint16_t, 2> kKinect2Products{0x02D8, 0x02C4};
 constexpr std::array<int, 2> kInterfaces{0, 1};  ///< commands and colour; infrared
 constexpr unsigned kStreamsTimeout_ms = 1000;
 
-/// Empty where it cannot be read.
+/// Serial number of a device; empty where it cannot be read.
 std::string serial_of(libusb_device* device) {
   libusb_device_descriptor descriptor{};
   libusb_device_handle* handle = nullptr;

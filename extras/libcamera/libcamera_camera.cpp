@@ -220,7 +220,7 @@ void LibcameraCamera::describe_controls() {
                               static_cast<double>(at->second.max().get<float>()), 0.01});
 }
 
-/// With rate and settings; automatic exposure is off where either is set.
+/// Writes the settings into a request; automatic exposure is off where one is set.
 void LibcameraCamera::put_settings(lc::ControlList& controls) const {
   const lc::ControlInfoMap& known = camera_->controls();
   for (const auto& [control, value] : settings_) {
@@ -276,9 +276,9 @@ void LibcameraCamera::end_stream() {
   done_.clear();
 }
 
-/// The library tells of USB cameras alone that they vanish, and ends the process where another one
-/// that did is stopped. So of a camera that has fallen silent everything is left as it is until the
-/// process ends.
+/// Leaves everything of a camera that has fallen silent as it is until the process ends. The
+/// library reports only of USB cameras that they have vanished, and ends the process where another
+/// camera that has vanished is stopped.
 void LibcameraCamera::abandon() {
   struct Left {
     std::shared_ptr<lc::CameraManager> manager;
@@ -307,7 +307,7 @@ void LibcameraCamera::stop() {
   count_.health.state = DeviceState::kStopped;
 }
 
-/// On the library's thread.
+/// Queues a finished request. Called on the library's thread.
 void LibcameraCamera::completed(lc::Request* request) {
   const std::lock_guard lock(done_mutex_);
   done_.push_back(request);

@@ -47,7 +47,7 @@ Result<void> OpenNi2Device::start_streams() {
       return openni2_error(uri_ + " (" + channel.name + ")", "starting the stream");
     ++count;
   }
-  // The library holds frames of a recording back until their partners come: not there.
+  // Not for a recording, of which the library would hold frames back until their partners come.
   if (count > 1 && !recording_) (void)oniDeviceEnableDepthColorSync(device_);
   return {};
 }

@@ -53,7 +53,7 @@ bool fits(const OniVideoMode& mode, const StreamRequest& request) {
   return size && rate && (request.format == PixelFormat::kUnknown || request.format == format);
 }
 
-/// How many of its values are those of the present mode.
+/// Number of values of a mode that equal those of the present mode.
 int likeness(const OniVideoMode& mode, const OniVideoMode& present) {
   return (mode.pixelFormat == present.pixelFormat ? 1 : 0) + (mode.fps == present.fps ? 1 : 0) +
          (mode.resolutionX == present.resolutionX ? 1 : 0);
@@ -77,7 +77,7 @@ Result<OniVideoMode> choose_mode(OniStreamHandle stream, const OniVideoMode& pre
                                             (offered.empty() ? "none that mixrig reads" : offered)};
 }
 
-/// Pixels of `bytes` each, from right to left.
+/// Copies a row of pixels of `bytes` each from right to left.
 void copy_turned(const std::uint8_t* row, int width, std::size_t bytes, std::uint8_t* out) {
   for (int x = width - 1; x >= 0; --x, out += bytes)
     std::memcpy(out, row + static_cast<std::size_t>(x) * bytes, bytes);

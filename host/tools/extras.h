@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The extras of this build (MIXRIG_EXTRAS). extras.cpp is the one table that enters them.
+// Parts of the extras of this build (MIXRIG_EXTRAS) that commands use: sources, devices, poses,
+// jobs. extras.cpp alone names them; commands.cpp adds the commands of extras.
 #pragma once
 
 #include <vector>
@@ -13,13 +14,13 @@
 
 namespace mixrig::tools {
 
-/// Sources and devices by scheme. Those of missing extras return an error that says so.
+/// Sources and devices of extras by scheme. Those of missing extras return an error that says so.
 session::SourceKinds source_kinds();
-/// Functions of the extra "map"; null where it is left out.
+/// Functions of the extra "map"; all null where it is left out.
 MapJobs map_jobs();
 /// Pose sources of extras, for SessionOptions::extra_poses.
 std::vector<session::ExtraPoses> extra_poses();
-/// Makes new additions for one run.
+/// Makes the additions of extras to one run.
 session::RunExtras run_extras();
 /// Checks that this build has what the scene needs. Errors: kUnsupported, with file and key of the
 /// scene.

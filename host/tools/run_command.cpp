@@ -47,7 +47,7 @@ Result<glm::ivec2> parse_focus(const std::string& text, const session::Session& 
                "--focus \"" + text + "\" is no pixel X,Y of the view of " + session::text(view)};
 }
 
-/// The window of --view as a further sink, and what sets objects where it is clicked.
+/// Adds the window of --view as a sink, and the sink that places objects where it is clicked.
 Result<void> open_view(const RunArguments& arguments, session::Session& session, const Clock& clock,
                        ViewfinderReport& report, session::RunParts& parts) {
   if (arguments.view.empty()) return {};
@@ -86,7 +86,7 @@ nlohmann::json to_json(const ViewfinderReport& report) {
   return out;
 }
 
-/// All but the pixel of --focus, which needs the view.
+/// Options of a run, except the pixel of --focus, for which the view must be known.
 Result<session::RunOptions> parse_options(const RunArguments& arguments, const Clock& clock) {
   session::RunOptions options;
   if (!arguments.out.empty()) options.out = arguments.out;

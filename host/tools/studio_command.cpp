@@ -327,7 +327,7 @@ void add_day_options(Command command, StudioArguments& arguments) {
       .group(group);
 }
 
-/// Errors: kUsage for an option of a scenario that was not chosen.
+/// Checks the options against the scenario. Errors: kUsage for an option of another scenario.
 Result<void> check_scenario(const Command& command, const std::string& scenario) {
   constexpr std::array kOfBoard{
       "--board", "--squares", "--square",      "--marker",      "--bend",       "--far",

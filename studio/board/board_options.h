@@ -6,7 +6,7 @@
 
 namespace mixrig::studio {
 
-/// Errors: kUsage for a value out of its range.
+/// Checks the options. Errors: kUsage for a value out of its range.
 Result<void> check_board_options(const BoardOptions& options);
 
 /// The rig of these options' seed, with the errors that they ask for. Precondition: checked.

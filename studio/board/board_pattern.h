@@ -14,7 +14,7 @@ namespace mixrig::studio {
 
 enum class BoardKind { kCheckerboard, kCharuco };
 std::string_view name(BoardKind kind);
-/// Errors: kUsage; the line lists the names that exist.
+/// Parses the name of a kind of board. Errors: kUsage; the line lists the names that exist.
 Result<BoardKind> parse_board(std::string_view text);
 
 /// Dimensions of a board. Square (0, 0) is black. Board axes: u to the right, v down, w into the

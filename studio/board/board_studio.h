@@ -15,8 +15,8 @@ namespace mixrig::studio {
 /// How a person holds the board: still for `rest_s` at the pose of each view, then on to the next.
 struct HandMotion {
   double rest_s = 0.8, move_s = 0.8;  ///< 0.1..10 each
-  double tremor_m =
-      0;  ///< of the board's middle, standard deviation an axis, 0..0.01; it turns too
+  /// Standard deviation of the board's middle along each axis, 0..0.01; the board turns too.
+  double tremor_m = 0;
 };
 
 struct BoardOptions {

@@ -18,8 +18,8 @@ capture::ExposureLimits exposure_limits();
 Result<void> add_bracket(studio::Studio& studio, int frame, const Image<Rgb8>& plate,
                          const std::filesystem::path& folder, std::vector<take::BracketRow>& rows);
 
-/// bracket.csv, and truth/light.exr: the true light in all directions from the foot of the unit.
-/// Errors: kIo.
+/// Writes bracket.csv, and truth/light.exr: the true light in all directions from the base of the
+/// unit. Errors: kIo.
 Result<void> write_bracket(studio::Studio& studio, const std::vector<take::BracketRow>& rows,
                            const std::filesystem::path& folder);
 

@@ -19,9 +19,9 @@ std::uint64_t tick_of(int number);
 /// The foot of the unit in the world; its axes are those of estimation::PanTiltChain. `info` must
 /// have a unit.
 geometry::Pose world_from_base(const studio::StudioInfo& info);
-/// Offset to add to a stamp of the motion capture system for the take's time of the pose, in the
-/// middle of the take; the drift adds less than 5e-5 of the time from there. `info` must have a
-/// system.
+/// Seconds to add to a stamp of the motion capture system to get the time of the take at which its
+/// pose was true. Exact in the middle of the take; the drift adds less than 5e-5 of the time from
+/// there. `info` must have a system.
 double mocap_time_offset_s(const studio::StudioInfo& info);
 
 /// The true rig as a calibration: cameras of `take`, the fisheye where the take has one, the

@@ -11,12 +11,12 @@
 
 namespace mixrig::studio_io {
 
-/// Exactly `most` words; those left out are empty. `forms` says what they are.
-/// Errors: kUsage for more words.
+/// Splits text at its commas into exactly `most` words; those left out are empty. `forms`: the
+/// expected form, for the error. Errors: kUsage for more words.
 Result<std::vector<std::string>> split_words(const std::string& words, std::size_t most,
                                              const char* forms);
 
-/// A whole number in place of `value`, which stays where `word` is empty. Errors: kUsage.
+/// Reads a whole number into `value`, which stays where `word` is empty. Errors: kUsage.
 template <typename Int>
 Result<void> read_number(const std::string& word, const char* what, Int& value) {
   if (word.empty()) return {};
@@ -27,7 +27,7 @@ Result<void> read_number(const std::string& word, const char* what, Int& value) 
                "--source studio: " + std::string(what) + " \"" + word + "\" is not a whole number"};
 }
 
-/// WxH in place of `size`, which stays where `word` is empty. Errors: kUsage.
+/// Reads WxH into `size`, which stays where `word` is empty. Errors: kUsage.
 Result<void> read_size(const std::string& word, Size& size);
 
 }  // namespace mixrig::studio_io

@@ -93,7 +93,7 @@ std::string scene_text(const studio::StudioInfo& info, Writer camera,
   return root.text();
 }
 
-/// Nothing is learned: the capture volume keys, and a set replaces the room.
+/// Text of a scene that learns nothing: the capture volume keys, and a set replaces the room.
 std::string set_scene_text(const studio::StudioInfo& info, const std::string& set_name) {
   Writer root, camera, volume, set;
   volume.set("min_m", rounded_values(info.capture_volume.min_m));

@@ -16,7 +16,7 @@ constexpr unsigned kSecond = 7001, kThird = 7002, kCrowd = 7003;  ///< added to 
 
 const Eigen::Vector2f kBehind_m(3.95F, 2.95F);  ///< where the third stands, if not walking
 
-/// On half a circle before the camera.
+/// Place of person `i` of `of` in the crowd, on an arc before the camera.
 Eigen::Vector2f crowd_spot(const Layout& layout, int i, int of) {
   constexpr double kAway_m = 0.8, kField_rad = 160 * kDeg;
   const Eigen::Vector2d ahead = (layout.look_at_m - layout.eye_m).head<2>();

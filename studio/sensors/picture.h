@@ -39,8 +39,8 @@ struct Pixel {
   float person = 0;      ///< coverage of the real scene by people
   float silhouette = 0;  ///< coverage by the object, occluded or not
   float light = 1;       ///< luminance of the light on real surfaces with / without the object
-  std::uint8_t layer =
-      0;  ///< Truth::kBackground, kPerson or kVirtual: the layer with most sub-samples
+  /// Truth::kBackground, kPerson or kVirtual: the layer with most sub-samples.
+  std::uint8_t layer = 0;
 };
 /// Composes one pixel. Without `with_object`, silhouette, light and layer keep their defaults and
 /// mixed is zero.

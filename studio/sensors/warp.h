@@ -11,7 +11,7 @@ namespace mixrig::studio {
 Eigen::Vector2f seen_from(const RayGrid& rays, const Optics& optics,
                           const geometry::Pose& mid_from_then, const Eigen::Vector2f& px,
                           float z_m);
-/// Bilinear; beyond the border the picture goes on as its last pixel.
+/// Bilinear value of a picture, whose border pixels continue beyond it.
 Rgbf sample(const Image<Rgbf>& picture, const Eigen::Vector2f& px);
 
 }  // namespace mixrig::studio

@@ -8,7 +8,7 @@
 
 namespace mixrig::studio {
 
-/// 0 widest and nearest, 1 longest and farthest.
+/// Setting of a lens: zoom from 0 (widest) to 1 (longest), focus from 0 (nearest) to 1 (farthest).
 struct LensSetting {
   double zoom = 0, focus = 0.5;
 };

@@ -31,7 +31,7 @@ float door_rad(const Day& day, double time_s);
 Layout make_layout(const StudioOptions& options);
 /// World pose of the target camera at rest; in scenario pan, at angles zero.
 geometry::Pose rest_pose(const Layout& layout);
-/// Holds the person at all times of the take, and no furniture if the floor is clear.
+/// Box that holds the person at all times of the take, and no furniture if the floor is clear.
 Volume capture_volume(const Layout& layout);
 /// Camera pose `time_s` after the first frame; continuous, also between frames.
 CameraPlace camera_at(const Layout& layout, const StudioOptions& options, double time_s);

@@ -26,7 +26,7 @@ class Materials {
  public:
   Materials(unsigned seed, const Wardrobe& wardrobe, const VirtualObject* object);
 
-  /// Another person, with the next Material::person.
+  /// Adds the clothes of another person, who has the next number of Material::person.
   void add(const Wardrobe& wardrobe) { wardrobes_.push_back(wardrobe); }
 
   /// Sets the level of the lamps; 1 at first.

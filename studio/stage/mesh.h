@@ -48,7 +48,7 @@ struct Material {
   bool operator==(const Material&) const = default;
 };
 
-/// Thin enough to be missed between the corners of a pixel.
+/// Whether a kind is so thin that it can lie between the corners of a pixel unseen.
 inline bool is_thin(Kind kind) { return kind == Kind::kStrand || kind == Kind::kStick; }
 
 struct Mesh {

@@ -6,7 +6,7 @@
 
 namespace mixrig::studio {
 
-/// color(u, v): linear, at pixel centres, u and v within 0..1.
+/// Paints a picture by color(u, v): linear, at pixel centres, u and v within 0..1.
 template <typename Color>
 Image<Rgb8> paint(Size size, Color&& color) {
   Image<Rgb8> image(size);

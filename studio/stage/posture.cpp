@@ -67,7 +67,8 @@ PersonMotion::OnPath PersonMotion::on_path(double distance_m) const {
   return scenario_ == Scenario::kRounds ? on_rounds(distance_m) : on_lap(distance_m);
 }
 
-/// In, two and a half laps, a turn on the spot, half a lap back, and out where it came in.
+/// Place on the way of scenario rounds: in, two and a half laps, a turn on the spot, half a lap
+/// back, and out where it came in.
 PersonMotion::OnPath PersonMotion::on_rounds(double distance_m) const {
   constexpr double kTurn_m = 1.0;  // of steps on the spot
   const double lap = arc_m_.back(), in_m = stage_.way_in_m;

@@ -55,7 +55,7 @@ class PersonMotion {
   /// Time of one lap of the path.
   double lap_s() const { return arc_m_.back() / speed_m_s_; }
   const Build& build() const { return build_; }
-  /// A time at which who walks is in a direction of the floor from the middle of the path.
+  /// A time at which a walking person is in direction (x, y) of the floor from the path's middle.
   double time_towards(double x, double y) const;
   /// Posture at a time of the take; defined for all times.
   Posture at(double time_s) const;

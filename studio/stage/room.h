@@ -21,7 +21,7 @@ struct RoomPlan {
   bool guest_seat = false;   ///< a second chair
   Vec3 guest_foot{4.35F, 1.0F, 0};
   bool mirror = false;       ///< on the far wall, in place of the middle picture
-  bool window = false;       ///< a pane of glass before the night, in the place of the mirror
+  bool window = false;       ///< a pane of glass before the night in that place, without mirror
   bool thin_things = false;  ///< thin poles and a table seen at a grazing angle
 };
 inline constexpr float kSeatHeight_m = 0.45F;

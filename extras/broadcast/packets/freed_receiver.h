@@ -24,8 +24,8 @@ class FreeDReceiver {
   /// kDevice where the port cannot be opened.
   static Result<FreeDReceiver> open(const ListenAddress& address);
 
-  /// Waits for one datagram, `timeout` at most; nullopt where none came or it was of another
-  /// camera. Errors: kDevice where the socket fails.
+  /// Waits for one datagram, `timeout` at most; nullopt where none came, or it was malformed or of
+  /// another camera. Errors: kDevice where the socket fails.
   Result<std::optional<FreeDPacket>> next(Duration timeout);
   const StreamCounts& counts() const { return counts_; }
   int port() const { return socket_.port(); }

@@ -72,7 +72,7 @@ bool OpenTrackAssembler::keep(const OpenTrackSegment& segment) {
   return true;
 }
 
-/// The parts do not overlap.
+/// Whether all parts have come; they do not overlap.
 bool OpenTrackAssembler::is_whole() const { return size_ && came_ == *size_; }
 
 }  // namespace mixrig::stream

@@ -45,7 +45,7 @@ class DepthLimit final : public nlohmann::json_sax<json> {
   int depth_ = 0;
 };
 
-/// A discarded value where it is neither.
+/// Parses JSON or CBOR; a discarded value where the bytes are not valid or nested too deep.
 json parse_bounded(std::span<const std::byte> bytes, OpenTrackEncoding encoding) {
   const auto* const begin = reinterpret_cast<const std::uint8_t*>(bytes.data());
   const auto* const end = begin + bytes.size();

@@ -21,7 +21,7 @@ bool parse_whole(std::string_view text, int least, int most, int& value) {
   return fault == std::errc() && stop == end && value >= least && value <= most;
 }
 
-/// Several programs may listen to a group.
+/// Joins a multicast group, to which several programs may listen.
 bool join(int fd, const in_addr& group) {
   const int yes = 1;
   ip_mreq request{};

@@ -27,7 +27,7 @@ std::string_view protocol_name(scene::PoseOut::Protocol protocol) {
   return "";
 }
 
-/// Version 4 (RFC 9562): random but for its version and variant.
+/// UUID of version 4 (RFC 9562): random but for its version and variant.
 stream::Uuid random_uuid() {
   static thread_local std::mt19937 random{std::random_device{}()};
   stream::Uuid id;
@@ -46,7 +46,8 @@ std::uint32_t count_of(double raw) {
   return static_cast<std::uint32_t>(std::clamp(std::round(raw), 0.0, double{0xFFFFFF}));
 }
 
-/// Its pixels are square: the height is as many times the focal length as in the picture.
+/// Sets a sensor `width_mm` wide with the focal length of the view. The sensor has one focal
+/// length, so its height makes up for a difference of fx and fy.
 void set_lens(const geometry::Pinhole& view, double width_mm, stream::OpenTrackSample& sample) {
   const Size size = view.size_px;
   const double mm_per_px = width_mm / size.width, mm_per_px_y = mm_per_px * view.fx_px / view.fy_px;

@@ -12,7 +12,8 @@ namespace {
 
 using session::Session;
 
-/// Without the pose of a body in the calibration the tracked camera is the target camera.
+/// Options of a tracker's stream. Without the pose of a body in the calibration the tracked camera
+/// is the target camera.
 Result<pose::CameraStreamOptions> stream_options(const Session& session) {
   const scene::TrackerStream& wanted = session.scene.camera.stream;
   pose::CameraStreamOptions options;

@@ -15,7 +15,7 @@ constexpr double kTrunkFrom = 0.5, kTrunkTo = 0.82;  ///< of the height: hips to
 /// Product of the trunk's half axes, per height and mean half width: tall bodies are deep.
 constexpr double kDepthShare = 0.09;
 constexpr double kLeastHalf_m = 0.12, kMostHalf_m = 0.28;
-constexpr double kTrunk_m2 = 0.04;  ///< seen, for it to tell a place
+constexpr double kTrunk_m2 = 0.04;  ///< least seen surface of a trunk that gives a position
 constexpr double kAlongSigma_m = 0.018, kAcrossSigma_m = 0.012;
 // Errors by hidden parts are alike in many frames, which a filter would treat as independent. These
 // sigmas are therefore about three times the errors.
@@ -48,7 +48,7 @@ struct Profile {
     if ((p.may_go_on & SurfacePoint::kRight) != 0) bin.goes_on_right_m2 += p.area_m2;
     area_m2 += p.area_m2, along_m3 += double{p.area_m2} * d_m;
   }
-  /// Up to where a share of the surface lies.
+  /// Position up to which a share of the surface lies.
   double quantile_m(double share) const {
     double before_m2 = 0;
     for (int i = 0; i < kBins; ++i) {
@@ -132,7 +132,7 @@ struct SeenBody {
   double width_m() const { return trunk.left().u_m - trunk.right().u_m; }
 };
 
-/// The lower part of a body that is hidden in part is no smaller body.
+/// Seen part of a cluster's body. A body of which only the lower part is seen keeps its height.
 SeenBody look_at(const Cluster& cluster, const Eigen::Vector3d& eye_m, const KnownBody& known) {
   const double height_m = std::max(cluster.top_m, kSitsDown * known.height_m);
   SeenBody seen(cluster, eye_m, height_m);

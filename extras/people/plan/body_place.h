@@ -12,7 +12,8 @@ namespace mixrig::plan {
 
 /// Widths of a trunk as seen from one direction.
 struct BodyWidth {
-  double half_m = 0;   ///< half the width of the trunk's middle half; if known, the mean of views
+  /// Half width of the trunk: the width of its middle half. In KnownBody the mean of views.
+  double half_m = 0;
   double reach_m = 0;  ///< distance from the middle to the sides, arms included
 };
 

@@ -15,13 +15,13 @@ constexpr float kFloor_m = 0.03F;  ///< what is lower may be the floor
 constexpr float kHighest_m = 2.5F;
 constexpr float kHeightStep_m = 0.02F;
 constexpr float kLeastCell_m2 = 0.012F;    ///< of a cell and those around it
-constexpr float kTop_m2 = 0.004F;          ///< surface above which single points are
+constexpr float kTop_m2 = 0.004F;          ///< surface above a body's top: single points
 constexpr double kExpectedWithin_m = 0.3;  ///< from the seen surface to the axis of a body
 constexpr double kApart_m = 0.45;          ///< of the axes of people who are told apart at once
-constexpr double kLargeFor_m2 = 0.5;       ///< more than one body may be in it
+constexpr double kLargeFor_m2 = 0.5;       ///< a larger component may hold several bodies
 constexpr float kHead_m = 0.9F, kUnderHead_m2 = 0.12F;
 constexpr double kHeadWithin_m = 0.25, kGap_m = 0.25;
-constexpr float kNearer_m = 0.15F;  ///< another surface, not the same body
+constexpr float kNearer_m = 0.15F;  ///< a surface that is so much nearer is another one
 
 }  // namespace
 
@@ -264,7 +264,7 @@ void ClusterFinder::drop_parts() {
   }
 }
 
-/// Points by component, and what is said of each.
+/// Makes clusters of the components: their points, and what find() reports of each.
 void ClusterFinder::group() {
   order_.clear();
   for (std::size_t c = 0; c < used_; ++c)

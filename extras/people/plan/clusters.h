@@ -21,8 +21,7 @@ struct SegmentedView {
   ImageView<const float> depth_m;
   geometry::Pinhole view;  ///< of the size of depth_m
   geometry::Pose world_from_view;
-  ImageView<const float>
-      visible_m{};  ///< z of what is seen, people or not; 0 unknown; may be empty
+  ImageView<const float> visible_m{};  ///< z of the visible surface; 0 unknown; may be empty
 };
 
 /// Expected position of a person, world x y.

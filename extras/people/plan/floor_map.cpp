@@ -21,7 +21,8 @@ struct Cell {
   float top_m = 0, seen_m = -1;
 };
 
-/// Between points of a floor that is seen from far away: unknown, with free floor around.
+/// Closes gaps between points of a floor that is seen from far away: unknown cells with free floor
+/// around.
 void close_gaps(Image<float>& top_m) {
   constexpr int kMostly = 5;  // of eight
   const Image<float> before = top_m;

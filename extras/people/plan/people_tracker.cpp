@@ -14,16 +14,16 @@ namespace {
 
 constexpr double kGate2 = 20;  ///< of the squared Mahalanobis distance, two values
 constexpr double kGate_m = 0.7;
-constexpr double kStray_m = 0.06;  ///< a frame's place may be off, and is still of the same body
+constexpr double kStray_m = 0.06;  ///< sigma that a position may be off in addition when matched
 constexpr double kFirstSpeed_m_s = 1.0;  ///< sigma of the velocity of somebody new
-constexpr double kSlowing_s = 1.0;       ///< who is hidden is expected to walk on so long
+constexpr double kSlowing_s = 1.0;       ///< time constant with which hidden people slow down
 constexpr double kHeightFades_m_s = 0.02;
 constexpr double kReachKept = 0.9;  ///< of the reach of a trunk, from frame to frame
-constexpr int kMostWidths = 150, kFirstWidths = 25;  ///< in the mean; what an average body counts
+constexpr int kMostWidths = 150, kFirstWidths = 25;  ///< in the mean; weight of the average body
 constexpr double kLookedAt_m[] = {0.5, 1.0, 1.4};
 constexpr double kHides_m = 0.3;
 constexpr double kBody_m = 0.25;
-constexpr double kWalks_m_s = 1.0, kLean_m = 0.02;  ///< trunk and arms of who walks are ahead
+constexpr double kWalks_m_s = 1.0, kLean_m = 0.02;  ///< walking people's trunk is so far ahead
 constexpr double kLeastDeterminant_m4 = 1e-8;
 
 }  // namespace

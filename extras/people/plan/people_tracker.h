@@ -40,7 +40,7 @@ struct PeopleOptions {
   double shape_sigma_m = 0.01;  ///< sigma of a position's error that lasts for a step of the body
   double most_hidden_s = 1.5;   ///< after this time an unseen person has left
   double left_s = 0.4;        ///< after this time an unseen person has left where nothing hides it
-  int frames_to_believe = 4;  ///< a new person must be seen in this many of the last frames
+  int frames_to_believe = 4;  ///< frames, at most one missed in a row, that confirm a new person
 };
 
 /// Tracks by Kalman filters of constant velocity. Clusters are assigned to all filters together, by

@@ -46,8 +46,8 @@ struct FreePlace {
   double score = 0;
 };
 
-/// Best `count` places, best first: by visible share, and where that is equal by shadow and
-/// distance to the paths. Empty where nothing is free. Pure.
+/// The `count` places of the highest score, best first: the visible share counts, and a little the
+/// shadow and the distance to the paths. Empty where nothing is free. Pure.
 std::vector<FreePlace> suggest_places(const FloorMap& map, std::span<const Eigen::Vector2d> paths_m,
                                       const Footprint& box, const RoomView& view, int count,
                                       const PlacingOptions& options = {});

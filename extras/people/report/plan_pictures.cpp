@@ -71,7 +71,7 @@ void draw_all(const PlanDrawing& drawing, const OnPicture& on_picture, double wi
     draw_place(drawing.places[i], drawing.box, static_cast<int>(i) + 1, on_picture, canvas);
 }
 
-/// Pale, so that paths stand out; free floor greenish, less so within the margin.
+/// Map in pale colours, so that paths stand out; free floor greenish, less so within the margin.
 Image<Rgb8> map_picture(const plan::FloorMap& map, double margin_m, int cell_px) {
   const Size size = map.size();
   const Image<std::uint8_t> blocked = plan::grown(plan::not_free(map), margin_m / map.cell_m);
@@ -89,7 +89,7 @@ Image<Rgb8> map_picture(const plan::FloorMap& map, double margin_m, int cell_px)
   return picture;
 }
 
-/// The eye, and half a metre along the left and right border of the picture.
+/// Draws the camera, and half a metre along the left and right border of its picture.
 void draw_camera(const PlanDrawing& drawing, const OnPicture& on_picture, Canvas& canvas) {
   constexpr double kSide_m = 0.5;
   const geometry::Pinhole& view = drawing.view;

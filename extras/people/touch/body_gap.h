@@ -12,8 +12,8 @@ namespace mixrig::touch {
 
 /// Models legs and trunk as an upright cylinder around the axis that the tracker knows.
 struct BodyProxy {
-  static constexpr double kFoot_m = 0.1,
-                          kTop = 0.82;  ///< lower end, and upper end as a share of the height
+  /// Lower end, and upper end as a share of the person's height.
+  static constexpr double kFoot_m = 0.1, kTop = 0.82;
   static constexpr double kRadius_m = 0.15, kRadiusSigma_m = 0.04;
   Eigen::Vector2d on_floor_m = Eigen::Vector2d::Zero();
   double height_m = 0;  ///< of the person

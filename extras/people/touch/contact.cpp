@@ -33,7 +33,8 @@ void Contact::note(double time_s, double gap_m) {
   known_ = std::min(known_ + 1, past_.size());
 }
 
-/// When the gap was zero, between the last frame with one and the next; else the newest frame.
+/// Time at which the gap became zero, between the last frame with a gap and the next; else the time
+/// of the newest frame.
 double Contact::crossing_s() const {
   for (std::size_t i = 0; i + 1 < known_; ++i) {
     const Past &after = past_[i], &before = past_[i + 1];
@@ -45,7 +46,7 @@ double Contact::crossing_s() const {
   return past_[0].time_s;
 }
 
-/// Mean over the frames that are known, one after the other.
+/// Mean closing speed over up to four known frames in a row; 0 where the gap does not close.
 double Contact::closing_m_s() const {
   std::size_t oldest = 0;
   while (oldest + 1 < std::min<std::size_t>(known_, 4) &&
@@ -90,7 +91,8 @@ void Contact::add(const std::optional<Gap>& gap, bool is_hidden, double time_s,
   if (time_s - *apart_since_s_ >= options.leave_s) end(*apart_since_s_, out);
 }
 
-/// One frame alone may be an error of the key; the event has the time of the first.
+/// Confirms that a contact begins: one frame alone may be an error of the key. The event has the
+/// time of the first frame.
 void Contact::wait_to_enter(const std::optional<Gap>& gap, bool counts, double time_s,
                             const ContactOptions& options, std::vector<Event>& out) {
   if (!gap || gap->m > std::max(0.0, -options.least_m)) {

@@ -40,7 +40,8 @@ bool HitFinder::is_known(const Struck& now) {
   return known;
 }
 
-/// The fastest of the points that touch. Bullet finds them where things are when the step begins.
+/// Makes an event of the fastest touching point, where it is fast enough. Bullet finds the points
+/// by the places at the beginning of the step.
 void HitFinder::strike(const btPersistentManifold& manifold, double begin_s) {
   const int a = manifold.getBody0()->getUserIndex(), b = manifold.getBody1()->getUserIndex();
   if (a < 0 || b < 0 || std::max(a, b) < kFirstObject) return;

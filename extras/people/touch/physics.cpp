@@ -33,7 +33,7 @@ RoomPart part_of(float top_m) {
   return top_m > 0.6F * kWall_m ? RoomPart::kWall : RoomPart::kFurniture;
 }
 
-/// Whether a cell is of that side, or behind it.
+/// Whether a side's box covers a cell.
 bool covers(const RoomSide& side, const Eigen::Vector2d& at_m, double cell_m, double top_m) {
   const Eigen::Vector2d along = (side.to_m - side.from_m).normalized();
   const double t = along.dot(at_m - side.from_m), end = (side.to_m - side.from_m).norm();
@@ -42,7 +42,7 @@ bool covers(const RoomSide& side, const Eigen::Vector2d& at_m, double cell_m, do
          top_of(static_cast<float>(top_m)) < top_of(static_cast<float>(side.top_m)) + 0.05F;
 }
 
-/// About the middle of the shape's box.
+/// Parts of a shape with `middle` as origin.
 std::unique_ptr<btCompoundShape> parts_about(const Shape& shape, const Eigen::Vector3f& middle,
                                              std::vector<std::unique_ptr<btCollisionShape>>& keep) {
   auto compound = std::make_unique<btCompoundShape>();
@@ -68,7 +68,7 @@ btTransform world_from_middle(const geometry::Pose& world_from_object,
 }  // namespace
 
 struct Physics::State {
-  /// Its contacts begin at kTouching_m.
+  /// A dispatcher whose contacts begin at kTouching_m.
   struct Dispatcher : btCollisionDispatcher {
     using btCollisionDispatcher::btCollisionDispatcher;
     btPersistentManifold* getNewManifold(const btCollisionObject* a,
@@ -196,7 +196,7 @@ void Physics::place(int object, const geometry::Pose& world_from_object) {
   s.poses[static_cast<std::size_t>(object)] = world_from_object;
 }
 
-/// Sets the sides as planes, and the map's other occupied cells as runs along x.
+/// Makes boxes of the map's occupied cells that no side covers, in runs along x, and of the sides.
 void Physics::set_room(const plan::FloorMap& room, std::span<const RoomSide> sides) {
   State& s = *state_;
   const auto top = [&](int x, int y) {

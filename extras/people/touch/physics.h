@@ -45,10 +45,10 @@ class Physics {
   /// Adds an object, which moves if `body` is given and is fixed if it is null. `shape` may be
   /// dropped afterwards. Returns the number of the object. Precondition: the shape has a part.
   int add(const Shape& shape, const geometry::Pose& world_from_object, const Body* body);
-  /// Sets the room: its upright sides as planes, and cells of the map elsewhere.
+  /// Sets the room: its upright sides as boxes, and boxes over cells of the map elsewhere.
   void set_room(const plan::FloorMap& room, std::span<const RoomSide> sides = {});
-  /// Sets the pushers, at most kMostPushers. They move on and act for half of kLongestGap_s from
-  /// the current time.
+  /// Sets the pushers; only the first kMostPushers count. They move on and act for half of
+  /// kLongestGap_s from the current time.
   void set_pushers(std::span<const Pusher> pushers);
   /// Sets the velocity of an object with a body, in world axes.
   void set_velocity(int object, const Eigen::Vector3d& velocity_m_s);

@@ -38,8 +38,8 @@ struct Convex {
   PlaneGrid grid;  ///< where there are many planes
   Eigen::AlignedBox3f box_m;
 
-  /// Signed distance to the surface, negative inside. Outside it is a lower bound, equal to the
-  /// distance in front of a face. `normal`: that of the face in question.
+  /// Signed distance to the surface, negative inside. Outside it is a lower bound, which is exact
+  /// in front of a face. `normal`: set to that of the face that gives it.
   float distance_m(const Eigen::Vector3f& p, Eigen::Vector3f& normal) const;
 };
 

@@ -18,8 +18,9 @@ namespace mixrig::touch {
 std::optional<Gap> shape_gap(const Shape& a, const geometry::Pose& world_from_a, const Shape& b,
                              const geometry::Pose& world_from_b);
 
-/// Depth of the empty room's points in an object, from the deepest 20 cm^2; points are counted in
-/// cells of 2 cm, of 4 cm^2 each. nullopt where there is less surface near it. Pure.
+/// Gap between an object and points of the empty room; negative: the points lie inside it. It is
+/// the largest distance among the nearest 20 cm^2 of the room, where each cell of 2 cm that holds a
+/// point counts as 4 cm^2. nullopt where less of the room is near the object. Pure.
 std::optional<Gap> room_gap(const Shape& shape, const geometry::Pose& world_from_object,
                             std::span<const plan::RoomPoint> room);
 

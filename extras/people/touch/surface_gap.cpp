@@ -50,7 +50,7 @@ std::optional<SurfaceGaps::Window> SurfaceGaps::window(const Shape& shape,
   return w;
 }
 
-/// Whose surface lies over which cell around the object.
+/// Finds for each cell of a plan around the object whose surface lies over it.
 void SurfaceGaps::own(const Shape& shape, const geometry::Pose& world_from_object,
                       const Moment& moment) {
   Eigen::AlignedBox2f box;
@@ -144,7 +144,7 @@ void SurfaceGaps::collect(const Shape& shape, const geometry::Pose& world_from_o
   }
 }
 
-/// By depth, in bins.
+/// Sorts the samples by their distance to the object, in bins.
 void SurfaceGaps::order() {
   const auto bin = [](const Sample& s) {
     return static_cast<std::size_t>(
@@ -157,8 +157,8 @@ void SurfaceGaps::order() {
   for (const Sample& s : samples_) ordered_[static_cast<std::size_t>(first_[bin(s)]++)] = s;
 }
 
-/// For each person the first patch, from the deepest sample on, that holds enough; without what
-/// noise takes off the nearest of many values.
+/// Finds for each person the first patch, from the deepest sample on, that holds enough surface,
+/// and corrects for noise, which makes the nearest of many values too near.
 void SurfaceGaps::find_patches(double depth_sigma_m) {
   const int of_one = patch_cells_.prod();
   patches_.assign(static_cast<std::size_t>(of_one) * gaps_.size(), {});

@@ -99,7 +99,7 @@ void TouchWatch::watch_room(const Moment& moment) {
                still_, events_);
 }
 
-/// People whom the tracker has given up.
+/// Ends the contacts of people whom the tracker has given up.
 void TouchWatch::end_of_gone(const Moment& moment) {
   std::erase_if(contacts_, [&](Contact& c) {
     const bool gone = c.against() == Against::kPerson &&

@@ -68,7 +68,7 @@ void ObjectMotion::place(std::size_t object, const geometry::Pose& world_from_ob
   if (number_[object] >= 0) physics_.place(number_[object], world_from_object);
 }
 
-/// With the numbers of the scene's objects.
+/// Stores the hits of the last step, with the numbers of the scene's objects.
 void ObjectMotion::keep_hits() {
   const auto hits = physics_.hits();
   if (hits.empty()) return;

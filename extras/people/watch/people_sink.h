@@ -58,7 +58,7 @@ nlohmann::json to_json(const PeopleReport& report);
 class PeopleSink final : public output::CompositeSink {
  public:
   static constexpr double kPathStep_m = 0.02;
-  static constexpr double kLongestStep_s = 0.5;  ///< longer gaps between frames do not count
+  static constexpr double kLongestStep_s = 0.5;  ///< longer gaps between frames count as this
   static constexpr const char* kTable = "people.csv";
 
   /// Makes a sink that writes kTable into `folder`, which must exist, with a row for each person

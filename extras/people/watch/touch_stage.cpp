@@ -84,7 +84,7 @@ Result<void> TouchStage::see(const output::Composite& composite,
   return tell(events);
 }
 
-/// The surface of people around the objects that move.
+/// Gives the surface of people around the objects that move to ObjectMotion.
 void TouchStage::push(std::span<const plan::Person> people, const Eigen::Vector3d& eye_m,
                       double time_s) {
   near_m_.clear();

@@ -26,7 +26,7 @@ struct BoardSpec {
   bool operator==(const BoardSpec&) const = default;
 };
 
-/// "checkerboard:9x6:25mm", "charuco:14x9:40mm:30mm:5X5_250", "aprilgrid:6x6:88mm:26.4mm".
+/// Parses "checkerboard:9x6:25mm", "charuco:14x9:40mm:30mm:5X5_250", "aprilgrid:6x6:88mm:26.4mm".
 /// Errors: kUsage, with what is wrong and the valid forms.
 Result<BoardSpec> parse_board(std::string_view text);
 /// The text that parse_board() reads.

@@ -13,8 +13,8 @@ namespace mixrig::calibration {
 struct TwoCameras {
   std::vector<char> second;  ///< 1 for each view of the second group, else 0
   double sigma_px = 0;       ///< noise of one coordinate by the residuals of both groups
-  double own_px = 0;    ///< root mean square residual of each view under its own group's camera
-  double other_px = 0;  ///< the residual under the other group's camera, poses fitted anew
+  double own_px = 0;    ///< root mean square residual of all points, under their group's camera
+  double other_px = 0;  ///< that under the other group's camera, poses fitted anew
 };
 
 /// Finds the best partition of the views into two groups of kFewestViews views or more, by k-means

@@ -25,7 +25,8 @@ struct PtuReport {
   std::vector<std::string> warnings;
 };
 
-/// Errors: kUsage for a set without angles; kData where the views do not determine it.
+/// Calibrates a pan-tilt unit. Errors: kUsage for a set without angles; kData where the views do
+/// not determine it.
 Result<PtuReport> calibrate_ptu(const ViewSet& set, const PtuOptions& options,
                                 const RigProgress& progress);
 

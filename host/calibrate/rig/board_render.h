@@ -44,8 +44,8 @@ struct ProjectedBoardPoint {
 bool project_board_point(const Scene& scene, const Eigen::Vector2d& uv,
                          ProjectedBoardPoint& projected);
 
-/// All pixels on the board. With `own_light` the lamp is next to the lens, as in a depth camera:
-/// light falls off with the square of the distance and with the cosine.
+/// Renders all pixels on the board. With `own_light` the lamp is next to the lens, as in a depth
+/// camera: light falls off with the square of the distance and with the cosine.
 std::vector<Sample> render(const Scene& scene, bool own_light);
 
 }  // namespace mixrig::calibration

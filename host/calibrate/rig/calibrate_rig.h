@@ -16,21 +16,20 @@ namespace mixrig::calibration {
 /// Name of a second depth camera in views.toml and calibration.toml.
 inline constexpr const char* kSecondDepthCamera = "tof2";
 
-/// At most one depth camera takes part: its error is one of the unknowns.
+/// Options of a rig's calibration. At most one depth camera takes part: its error is one of the
+/// unknowns.
 struct RigOptions {
-  std::vector<std::string>
-      cameras;         ///< names of the cameras to use, the target camera first; empty: all
-  bool pixels = true;  ///< false: corners alone
-  bool bend = false;   ///< solve for the board's bend even if it is not significant
-  int threads = 0;     ///< 0: one per core
+  std::vector<std::string> cameras;  ///< names, the target camera first; empty: all
+  bool pixels = true;                ///< false: corners alone
+  bool bend = false;                 ///< solve for the board's bend even if it is not significant
+  int threads = 0;                   ///< 0: one per core
 };
 
 /// Error on views that were left out of the fit: the board's pose is taken from the target camera's
 /// corners alone, and the calibration predicts the corners in the other cameras.
 struct HeldOut {
   std::string camera;
-  double corners_px = 0,
-         pixels_px = 0;  ///< root mean square after the corner step, and after the pixel step
+  double corners_px = 0, pixels_px = 0;  ///< root mean square after the corner and the pixel step
   int views = 0;
 };
 
@@ -39,10 +38,10 @@ struct RigReport {
   std::vector<Misfound> misfound;  ///< false detections of each camera
   std::vector<HeldOut> held_out;
   double load_s = 0, corners_s = 0, pixels_s = 0;
-  std::vector<double> corner_px;  ///< root mean square of each camera's corners over all views,
-                                  ///< after the corner step
-  std::vector<double>
-      grey_rms;  ///< residual of each camera, as a share of the contrast from ink to paper
+  /// Root mean square of each camera's corners over all views, after the corner step.
+  std::vector<double> corner_px;
+  /// Grey residual of each camera, as a share of the contrast from ink to paper.
+  std::vector<double> grey_rms;
   std::optional<DepthFit> depth;
   std::vector<std::string> warnings;
   calibration_file::Calibration calibration;
@@ -51,8 +50,8 @@ struct RigReport {
 /// Receives the name of the step and its progress. Called from any thread, one call at a time.
 using RigProgress = std::function<void(const char* what, int done, int total)>;
 
-/// Errors: kUsage, kNotFound, kFormat of the set; kData where it does not determine a
-/// calibration, with the reason and what to do.
+/// Calibrates the cameras of a rig together. Errors: kUsage, kNotFound, kFormat of the set; kData
+/// where it does not determine a calibration, with the reason and what to do.
 Result<RigReport> calibrate_rig(const ViewSet& set, const RigOptions& options,
                                 const RigProgress& progress);
 

@@ -47,10 +47,10 @@ using ViewFunction =
 
 struct SolveOptions {
   int most_steps = 30;
-  double least_gain =
-      1e-3;  ///< stops where a step is predicted to gain less, in mean squared residuals
-  Eigen::VectorXd
-      prior;  ///< weights of a prior at the start values of shared parameters; may be empty
+  /// Stops where a step is predicted to gain less, in mean squared residuals.
+  double least_gain = 1e-3;
+  /// Weights of a prior at the start values of shared parameters; may be empty.
+  Eigen::VectorXd prior;
 };
 
 struct SolveReport {

@@ -14,13 +14,11 @@ namespace mixrig::calibration {
 /// Mean pictures of all cameras of a rig while the board stood still.
 struct StillView {
   Image<Rgb8> target;
-  Image<Rgb8> fisheye;             ///< empty where no picture was exposed meanwhile
-  Image<std::uint16_t> amplitude;  ///< in counts of the camera; empty where it has none
-  Image<std::uint16_t> depth;      ///< in steps of `depth_unit_m`, 0 = unknown
-  Image<std::uint16_t> amplitude2,
-      depth2;  ///< pictures of a second depth camera; empty where none saw it
-  std::optional<device::PanTiltAngles>
-      pan_tilt;  ///< mean angles; only where all captures have them
+  Image<Rgb8> fisheye;                      ///< empty where no picture was exposed meanwhile
+  Image<std::uint16_t> amplitude;           ///< in counts of the camera; empty where it has none
+  Image<std::uint16_t> depth;               ///< in steps of `depth_unit_m`, 0 = unknown
+  Image<std::uint16_t> amplitude2, depth2;  ///< of a second depth camera; empty where none saw it
+  std::optional<device::PanTiltAngles> pan_tilt;  ///< mean; absent unless all captures have angles
 };
 
 /// Averages the captures pixel by pixel, rounded. A depth is known where it is known in more than

@@ -19,7 +19,7 @@ measure::Motion motion_of(const geometry::Pose& pose) {
           {t.x(), t.y(), t.z()}};
 }
 
-/// By any camera that unprojects pixels.
+/// Rays of all pixels of a camera; NaN where it has none.
 template <typename Camera>
 Image<measure::Ray> rays_of(const Camera& camera, Size size) {
   Image<measure::Ray> rays(size, {NAN, NAN});
@@ -36,7 +36,7 @@ std::uint8_t mean(std::uint8_t a, std::uint8_t b, std::uint8_t c, std::uint8_t d
   return static_cast<std::uint8_t>(std::lround((1 - ty) * top + ty * bottom));
 }
 
-/// All else of the ideal is the truth itself.
+/// Errors of colour of the ideal composite; all else of it is the truth itself.
 measure::Errors colors_of(const measure::Errors& errors) {
   measure::Errors out;
   out.color_psnr_db = errors.color_psnr_db;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Slip of the virtual objects on the ground: measured against the true pose, and predicted from the
-// covariance of the pose in use. CONVENTIONS.md defines the keys.
+// covariance of the pose in use. docs/reference/report.md lists the keys.
 #pragma once
 
 #include <optional>
@@ -26,11 +26,12 @@ struct SlipReport {
     double rms_px = 0, p95_px = 0, max_px = 0;
   };
   std::optional<Measured> measured;
-  std::optional<double> sigma_px;       ///< predicted root mean square
-  std::optional<double> within_95_pct;  ///< share of the points with truth and covariance
+  std::optional<double> sigma_px;  ///< predicted root mean square
+  /// Share of the points, with truth and covariance, that lie within the ellipse of 95 %.
+  std::optional<double> within_95_pct;
 };
 
-/// Nothing allocates after construction. One thread.
+/// Measures slip frame by frame. Nothing allocates after construction. One thread.
 class SlipWatch {
  public:
   /// `contacts_m`: contact points in world axes; `view`: the view that is composited.

@@ -24,7 +24,7 @@ Result<std::vector<Row>> measure_all(const std::vector<ContenderPtr>& contenders
     if (progress) progress(what, ++done, total);
   };
   for (const ContenderPtr& contender : contenders) {
-    // Memory is touched, shaders are built.
+    // Not counted: memory is touched and shaders are built in it.
     if (auto fine = contender->time(0); !fine) return fine.error();
   }
   for (int round = 0; round < rounds; ++round)

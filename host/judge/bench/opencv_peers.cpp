@@ -33,7 +33,7 @@ cv::Mat bgr_of(ImageView<const Rgb8> plate) {
   return bgr;
 }
 
-/// Not finite and negative become 0.
+/// Copies depth; values that are not finite or not positive become 0.
 void copy_known(const cv::Mat& from, Image<float>& to) {
   to.reset({from.cols, from.rows});
   for (int y = 0; y < from.rows; ++y)
@@ -103,7 +103,7 @@ void filter_depth(const Filter& filter, const PeerInput& in, PeerOutput& out) {
     }
 }
 
-/// The solver prints its iterations.
+/// Silences std::cout, to which the solver prints its iterations.
 class SilentOutput {
  public:
   SilentOutput() : before_(std::cout.rdbuf(nullptr)) {}

@@ -19,11 +19,11 @@ enum class Look {
 struct Rung {
   std::string name;
   session::BackendChoice backend;
-  std::function<void(render::CompositorSetup&)>
-      change{};                         ///< changes the scene's setup; empty: unchanged
+  /// Changes the scene's setup; empty: unchanged.
+  std::function<void(render::CompositorSetup&)> change{};
   std::vector<render::Stage> stages{};  ///< stages whose time counts; empty: the whole frame
-  bool moves =
-      false;  ///< the camera, by 1 mm before each timed frame: nothing is kept between them
+  /// Moves the camera by 1 mm before each timed frame, so that nothing is kept between frames.
+  bool moves = false;
   bool timed = true;
   Look look = Look::kComposite;
   std::vector<Measure> measures{};

@@ -18,11 +18,11 @@ struct Row {
   std::string group;            ///< group in the plot: "cpu", "gles", or the library of a peer
   bool peer = false;            ///< another library
   std::vector<float> times_ms;  ///< time of the suite's stages in each frame; empty: not timed
-  /// Depth errors over the pixels whose surface the ToF camera sees (CONVENTIONS.md).
+  /// Depth errors over the pixels whose surface the ToF camera sees (docs/reference/measures.md).
   std::optional<double> bad_pct, band_bad_pct, mae_mm;
   std::optional<double> bytes;  ///< bytes that each frame must read and write
-  /// Other measures of the suite by their keys, which are those of CONVENTIONS.md where it defines
-  /// them.
+  /// Other measures of the suite by their keys; those that docs/reference/measures.md defines have
+  /// its keys.
   std::vector<std::pair<std::string, double>> more;
 };
 

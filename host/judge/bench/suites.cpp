@@ -38,7 +38,7 @@ std::string all_threads() {
   return fmt::format("cpu, {} thread{}", threads, threads == 1 ? "" : "s");
 }
 
-// Measures of CONVENTIONS.md.
+// Keys of docs/reference/measures.md.
 std::optional<double> missed_key_pct(const Errors& e) {
   return e.key_iou ? std::optional(100 * (1 - *e.key_iou)) : std::nullopt;
 }

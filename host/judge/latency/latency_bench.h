@@ -23,8 +23,8 @@
 namespace mixrig::session {
 
 struct LatencyOptions {
-  std::filesystem::path scene,
-      take;  ///< take of the studio with truth, a camera that stands still and somebody who moves
+  /// Take of the studio and its scene, with truth, a still camera and somebody who moves.
+  std::filesystem::path scene, take;
   std::filesystem::path folder;  ///< folder for rig.toml
   std::optional<Size> view_size{};
   BackendChoice backend{};
@@ -42,8 +42,8 @@ struct LatencyReport {
   std::size_t frames = 0;                                     ///< shown
   double period_ms = 0;                                       ///< period of the take
   std::vector<float> total_ms, wait_ms, compose_ms, show_ms;  ///< of each frame
-  std::optional<measure::Delay>
-      correlated;  ///< delay by the motions alone; absent where they do not determine it
+  /// Delay by the motions alone; absent where they do not determine it.
+  std::optional<measure::Delay> correlated;
   RunReport run;
 };
 

@@ -36,16 +36,14 @@ struct MarkerOptions {
   int line = -1;          ///< trigger line of the lamp
   double exposure_s = 0;  ///< exposure time of the camera; 0: exposure_ms of rig.toml
   double duration_s = 20;
-  std::optional<MarkerRegion>
-      region{};  ///< part of the view that shows the lamp; absent: all of it
+  std::optional<MarkerRegion> region{};  ///< part of the view with the lamp; absent: all of it
 };
 
 /// Brightness of the lamp and ticks of the master clock. Memory is allocated by the constructor
 /// only.
 struct MarkerLog {
   std::vector<sync::Tick> ticks;
-  std::vector<measure::Sample>
-      seen;  ///< mean light of the region, at the time when the sink got it
+  std::vector<measure::Sample> seen;     ///< mean light of the region, when the sink got it
   measure::QuantileSketch stamped_ms{};  ///< time from mid-exposure, by the stamps, to the sink
   explicit MarkerLog(std::size_t frames) { ticks.reserve(frames), seen.reserve(frames); }
 };

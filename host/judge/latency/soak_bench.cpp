@@ -106,8 +106,8 @@ Result<std::unique_ptr<Session>> open_soak(const SoakOptions& options, Clock& cl
   return open_session(session);
 }
 
-/// Captures are numbered where they are read, so that the numbers of what was shown tell which were
-/// dropped since then; the others were lost before.
+/// Counts what became of the pictures. Captures are numbered where they are read, so gaps in the
+/// numbers shown were dropped after reading; the other pictures were lost before.
 void count_frames(const SoakSink& sink, int first_number, double rate_hz, SoakReport& report) {
   const capture::SourceReport live = report.run.live.value_or(capture::SourceReport{});
   if (!live.streams.empty()) {

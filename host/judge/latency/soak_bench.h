@@ -64,8 +64,8 @@ struct SoakReport {
   std::uint64_t shown = 0;     ///< composites that the sink got
   std::uint64_t overrun = 0;   ///< pictures lost because no buffer was free
   std::uint64_t unpaired = 0;  ///< pictures without depth in time, or dropped before they were read
-  std::uint64_t dropped_before = 0,
-                dropped_after = 0;  ///< dropped by the queues before and after the compositor
+  /// Dropped by the queues before and after the compositor.
+  std::uint64_t dropped_before = 0, dropped_after = 0;
   RunReport run;
 
   /// Number of pictures since the first composite that were neither shown nor counted by name.

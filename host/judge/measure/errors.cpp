@@ -28,7 +28,7 @@ Result<void> check_sizes(const ResultImages& r, const TruthImages& t) {
   return {};
 }
 
-/// Summed over the channels.
+/// Squared difference of two colours, summed over the channels.
 int color_square(Rgb8 a, Rgb8 b) {
   const int dr = a.r - b.r, dg = a.g - b.g, db = a.b - b.b;
   return dr * dr + dg * dg + db * db;

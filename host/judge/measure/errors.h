@@ -24,13 +24,12 @@ inline constexpr std::uint8_t kInSilhouette = 8;  ///< inside the virtual object
 /// Results of the compositor for a frame. All images of a frame, these and the truth, have one
 /// size.
 struct ResultImages {
-  ImageView<const Rgb8> color;            ///< composite, sRGB
-  ImageView<const float> warped_depth_m;  ///< 0 unknown
-  ImageView<const std::uint8_t> matte;    ///< people, 255 = all
-  ImageView<const float> light;           ///< 0..1
-  ImageView<const std::uint8_t> layer;    ///< visible: 0 background, 1 person, 2 virtual
-  ImageView<const float>
-      mixed_depth_m{};  ///< depth of the visible layer, 0 unknown; empty: not judged
+  ImageView<const Rgb8> color;             ///< composite, sRGB
+  ImageView<const float> warped_depth_m;   ///< 0 unknown
+  ImageView<const std::uint8_t> matte;     ///< people, 255 = all
+  ImageView<const float> light;            ///< 0..1
+  ImageView<const std::uint8_t> layer;     ///< visible: 0 background, 1 person, 2 virtual
+  ImageView<const float> mixed_depth_m{};  ///< of the visible layer, 0 unknown; empty: not judged
 };
 
 /// Ground truth of a frame.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Judges whether virtual objects are as noisy and as sharp as the camera shows real ones.
-// CONVENTIONS.md, "Measures against truth", defines the measures.
+// docs/reference/measures.md defines the measures.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places of tracked people against the true ones.
+// Errors of tracked people's positions against the true ones.
 #include "host/judge/measure/people.h"
 
 #include <algorithm>

@@ -34,9 +34,9 @@ struct PeopleErrors {
   double false_pct = 0;      ///< share of tracks without a person
   int swaps = 0;             ///< a person's track was another person's before
   int broken = 0;            ///< a person has a new track
-  int crossings = 0;         ///< two people change sides in the camera's picture
-  int occlusions = 0;        ///< people who were not visible for kShortest_s to kLongest_s
-  int survived = 0;          ///< occlusions after which the person had the same track
+  int crossings = 0;   ///< two people, one of them visible, swap left and right before the camera
+  int occlusions = 0;  ///< a person was not visible for kShortest_s to kLongest_s
+  int survived = 0;    ///< occlusions after which the person had the same track
   std::uint64_t judged = 0;
   int samples = 0;  ///< independent judged samples: one for each person in kIndependent_s
   /// Interval that holds the NEES of 95 % of such takes if the covariances are right.

@@ -74,7 +74,7 @@ bool is_free_wall(ImageView<const float> true_m, const RoomFrame& frame, const P
   return true;
 }
 
-/// 95 %: the least error that at least so many do not exceed.
+/// Mean, 95th percentile (the least error that at least 95 % do not exceed) and maximum.
 WallToWall summary_of(std::vector<double>& errors_mm) {
   if (errors_mm.empty()) return {};
   std::sort(errors_mm.begin(), errors_mm.end());

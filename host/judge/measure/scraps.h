@@ -20,8 +20,8 @@ enum class Scrap : std::uint8_t {
 inline constexpr int kScrapKinds = 4;
 
 /// A connected piece of at least this many pixels at 1280x1024 is a scrap, a smaller one a speck. A
-/// small piece over the room does not count: truth itself is uncertain where an object stands on
-/// the floor. At other sizes the limit is in proportion to the picture's area, and at least 2.
+/// smaller piece of kOverRoom is neither: truth itself is uncertain where an object stands on the
+/// floor. At other sizes the limit is in proportion to the picture's area, and at least 2.
 inline constexpr double kLeastScrap_px = 12;
 /// A matte between these values, farther than kBand_px from the true border, is a ghost.
 inline constexpr int kGhostLeast = 26, kGhostMost = 229;  ///< of 255: 0.1 and 0.9
@@ -38,7 +38,7 @@ struct ScrapSums {
   std::uint64_t frames = 0;
   std::array<std::uint64_t, kScrapKinds> scraps{};  ///< number of each kind
   std::uint64_t scrap_pixels = 0, specks = 0, ghost_pixels = 0;
-  std::uint64_t changed_pixels = 0;  ///< in scraps that appear or vanish between two frames
+  std::uint64_t changed_pixels = 0;  ///< that are in a scrap in one of two frames in a row alone
   int largest_px = 0;
 };
 

@@ -138,7 +138,7 @@ Result<void> OperatorDesk::scan_room(bool on) {
   return orders_.give(output::LearnRoom{on});
 }
 
-/// Null: ends the recording.
+/// Begins a recording, or ends it where `start` is null.
 Result<void> OperatorDesk::record(const page::StartRecording* start) {
   const std::lock_guard lock(record_mutex_);
   auto done = start != nullptr ? recorder_.start(start->name, start->notes) : recorder_.stop();
@@ -185,7 +185,7 @@ Result<void> OperatorDesk::set_camera(const page::SetCamera& set) {
   return set.preview ? Result<void>() : write_file(rig, text);
 }
 
-/// With what was clicked in a window of the run.
+/// Writes previews into the scene, and the focus that was clicked in a window of the run.
 Result<void> OperatorDesk::save() {
   MIXRIG_TRY(scene_.save());
   const output::RunState run = orders_.state();

@@ -14,11 +14,13 @@ namespace mixrig::session {
 
 struct PlaceOptions {
   SessionOptions session;
-  int frame = 1;                  ///< frame whose depth is used
-  model::Click click;             ///< pixels of the view
-  std::string object;             ///< empty: the only object of the scene
-  double turn_rad = 0;            ///< about the normal, counter-clockwise seen from its tip
-  Eigen::Vector2d slide_m{0, 0};  ///< in the plane: to the right, and away from the camera or up
+  int frame = 1;        ///< frame whose depth is used
+  model::Click click;   ///< pixels of the view
+  std::string object;   ///< empty: the only object of the scene
+  double turn_rad = 0;  ///< about the normal, counter-clockwise seen from its tip
+  /// Shift in the plane: to the right, and away from the camera (on a plane steeper than 45
+  /// degrees: up).
+  Eigen::Vector2d slide_m{0, 0};
   std::filesystem::path drawing;  ///< PNG of the plate with the plane; empty: none
 };
 

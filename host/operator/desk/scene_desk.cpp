@@ -47,7 +47,8 @@ const scene::Scene& SceneDesk::shown_scene(const EditedScenePtr& newest) const {
   return newest ? newest->scene : session_.scene;
 }
 
-/// Current previews. Those of an older version of the scene are dropped, as by the follower.
+/// Current previews; none where they belong to an older version of the scene, since the follower
+/// has dropped those.
 SceneDesk::Previews SceneDesk::previews() const {
   const EditedScenePtr now = follower_->newest();
   const std::lock_guard lock(mutex_);
@@ -159,7 +160,7 @@ Result<void> SceneDesk::apply(const page::RemoveObject& remove) {
   return write_file(session_.scene.path, text);
 }
 
-/// A new one without a place is sharp in the middle of the picture.
+/// Writes focus settings. New ones without a place make the middle of the picture sharp.
 Result<void> SceneDesk::apply(const page::SetFocus& set) {
   const std::lock_guard lock(follower_->edit_mutex());
   MIXRIG_ASSIGN(Written now, written());

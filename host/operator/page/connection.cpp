@@ -42,7 +42,7 @@ Method method_of(http::verb verb) {
   }
 }
 
-/// Fields that decide may come once.
+/// Whether a header field that decides on a request comes more than once.
 template <typename Fields>
 bool has_doubles(const Fields& fields) {
   for (const http::field field :
@@ -71,7 +71,7 @@ Answer answer_of_read(beast::error_code error) {
   return refusal(400, "this is no HTTP request");
 }
 
-/// Whether the client is still there to be told what is wrong.
+/// Whether the message is at fault and the client is still there to get an answer.
 bool is_http_fault(beast::error_code error) {
   return error.category() == http::make_error_code(http::error::bad_method).category() &&
          error != http::error::end_of_stream && error != http::error::partial_message;
@@ -163,7 +163,7 @@ void Connection::read_body(Change change) {
                    });
 }
 
-/// Into a file of its own, not into memory.
+/// Reads a model into a temporary file, not into memory.
 void Connection::read_upload(const std::string& name) {
   std::string pattern = (std::filesystem::temp_directory_path() / "mixrig-page-XXXXXX").string();
   if (::mkdtemp(pattern.data()) == nullptr)

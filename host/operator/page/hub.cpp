@@ -13,7 +13,7 @@
 namespace mixrig::page {
 namespace {
 
-/// Folders and memory may throw.
+/// Applies a command. Exceptions of the file system and of memory become errors.
 Result<void> applied(Operator& op, const Command& command) {
   try {
     return op.apply(command);

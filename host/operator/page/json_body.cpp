@@ -16,7 +16,7 @@ int utf8_length(unsigned char c) {
   return c >= 0xF0 && c < 0xF5 ? 4 : 0;
 }
 
-/// nlohmann::json recurses where it destroys; brackets are counted before.
+/// Whether JSON is at most kMostDepth deep, by its brackets: nlohmann::json recurses to destroy it.
 bool is_shallow(std::string_view text) {
   constexpr int kMostDepth = 8;
   int depth = 0;

@@ -156,8 +156,8 @@ struct SetLamp {
   std::optional<bool> on{};
   bool preview = false;
 };
-/// Adds a lamp at `position_m`, or at a place in the picture: on the room's surface seen there, at
-/// a height along the ray of sight, or at a height above the floor under the place.
+/// Adds a lamp at `position_m`, or by a place in the picture: 5 cm before the room's surface seen
+/// there, where the ray of sight is at `height_m`, or `above_floor_m` above the floor seen there.
 struct AddLamp {
   std::string name;
   std::optional<Eigen::Vector3d> position_m{};

@@ -119,7 +119,7 @@ Result<Action> set_lamp(const std::string& name, const Body& body) {
   return body.done(Action(Command(set)));
 }
 
-/// Their ranges are the camera's.
+/// Action that sets values of a camera. Only the camera knows their ranges.
 Result<Action> set_camera(const std::string& name, const Body& body) {
   SetCamera set{.name = name, .values = {}};
   for (const char* key : {"exposure_ms", "gain", "focus", "white_balance_k", "zoom"})

@@ -139,7 +139,8 @@ void Server::Impl::accept() {
   });
 }
 
-/// Without file descriptors a connection that waits fails again at once: the loop would not rest.
+/// Accepts again after a pause. Where no file descriptor is free, a waiting connection would fail
+/// again at once, and the loop would use all of a core.
 void Server::Impl::accept_later() {
   pause.expires_after(kAcceptPause);
   pause.async_wait([this](boost::system::error_code error) {

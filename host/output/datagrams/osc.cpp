@@ -11,7 +11,7 @@ void put_word(std::uint32_t word, std::string& out) {
   for (const int shift : {24, 16, 8, 0}) out.push_back(static_cast<char>(word >> shift & 0xFF));
 }
 
-/// With at least one zero byte at its end.
+/// Appends a text with at least one zero byte at its end.
 void put_text(std::string_view text, std::string& out) {
   text = text.substr(0, text.find('\0'));
   out += text;

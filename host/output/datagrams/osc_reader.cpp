@@ -36,7 +36,7 @@ class OscCursor {
     rest_ = rest_.subspan(bytes);
     return taken;
   }
-  /// Up to its zero byte; what fills it up goes too.
+  /// Takes a text up to its zero byte, and its padding.
   std::optional<std::string> text() {
     const auto end = std::find(rest_.begin(), rest_.end(), 0);
     if (end == rest_.end()) return std::nullopt;

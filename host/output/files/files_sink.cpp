@@ -36,7 +36,7 @@ std::string lens_cells(const Composite& composite) {
                      v.fy_px, v.cx_px, v.cy_px, lens ? lens->state.pupil_shift_m : 0.0);
 }
 
-/// Empty where it is not known.
+/// Cell of a table; empty where the value is unknown.
 std::string cell(const std::optional<double>& value) {
   return value ? fmt::format("{:.4f}", *value) : std::string();
 }

@@ -4,7 +4,7 @@
 namespace mixrig::output {
 namespace {
 
-/// The state once an order is done, where that is known.
+/// Sets the state as it will be once the order is done, where that is known.
 void assume_done(const RunOrder& order, RunState& state) {
   if (const auto* show = std::get_if<ShowView>(&order)) state.view = show->view;
   if (const auto* freeze = std::get_if<FreezePictures>(&order)) state.frozen = freeze->on;

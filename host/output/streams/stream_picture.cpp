@@ -13,7 +13,7 @@ using Picture = scene::StreamOut::Picture;
 
 void put_bgrx(const Rgb8& c, std::uint8_t* to) { to[0] = c.b, to[1] = c.g, to[2] = c.r; }
 
-/// 255 at near, 0 at far, linear in 1/z; 0 where it is not known.
+/// Depth as a byte: 255 at near, 0 at far, linear in 1/z; 0 where it is unknown.
 std::uint8_t nearness(float z_m, double near_m, double far_m) {
   if (!(z_m > 0)) return 0;
   const double share = (1 / static_cast<double>(z_m) - 1 / far_m) / (1 / near_m - 1 / far_m);
@@ -106,7 +106,7 @@ void StreamPicture::draw(const render::FrameOutput& images, const geometry::Pinh
   draw_color(images, row, to);
 }
 
-/// With the key as alpha where the stream has one.
+/// Draws the composite, with the key as alpha where the stream has one.
 void StreamPicture::draw_color(const render::FrameOutput& images, std::size_t stride,
                                std::span<std::uint8_t> to) const {
   const bool alpha = out_.picture == Picture::kAlpha;
@@ -119,7 +119,7 @@ void StreamPicture::draw_color(const render::FrameOutput& images, std::size_t st
   }
 }
 
-/// The second picture beside the composite: key, or nearness.
+/// Draws the second picture beside the composite: key, or nearness.
 void StreamPicture::draw_right(const render::FrameOutput& images, std::size_t stride,
                                std::span<std::uint8_t> to) const {
   const Size size = images.color.size();

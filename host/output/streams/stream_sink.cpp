@@ -23,7 +23,8 @@ std::vector<take::GstNeed> needs_of(const StreamPlan& plan) {
   return needs;
 }
 
-/// For what is on its way; a receiver that takes nothing does not hold the run.
+/// Waits up to a second for pictures that are on their way; a receiver that takes nothing must not
+/// delay the run.
 void wait_shortly(GstElement* pipeline) {
   GstBus* const bus = gst_element_get_bus(pipeline);
   const auto wanted = static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_EOS);

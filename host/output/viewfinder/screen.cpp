@@ -38,7 +38,7 @@ void Screen::line(int x, int& y, std::string_view text, Rgb8 ink) {
   y += size.height + 2 * s;
 }
 
-/// In the largest size up to `scale` that fits.
+/// Writes a text in the middle, in the largest size up to `scale` that fits.
 void Screen::centred(int y, std::string_view text, int scale, Rgb8 ink) {
   is_clear_ = false;
   while (scale > 1 && text_size(text, scale).width + 2 * scale > picture_.width()) --scale;
@@ -50,7 +50,8 @@ void Screen::centred(int y, std::string_view text, int scale, Rgb8 ink) {
   draw_text(picture_, x, y, text, scale, ink);
 }
 
-/// Nothing, over a composite that was not read back; null where it was, or is not the view.
+/// Clears the picture over a composite that is in GPU memory only, and returns that; null, with
+/// nothing changed, where it was read back or is not the view.
 const render::GpuPicture* Screen::clear_over_gpu(const output::Composite& composite, View view) {
   const render::FrameOutput& images = composite.images;
   const bool only_there = images.gpu_color != nullptr && (images.wanted & render::kColor) == 0;
@@ -145,7 +146,7 @@ void Screen::write_warnings(const output::Composite* composite, const ViewState&
     for (const TextLine& sync : facts.sync) line(4 * s, y, sync.view(), kInk);
 }
 
-/// View, rate, delay, recording and the answer to a key, along the bottom.
+/// Writes view, rate, delay, recording and the answer to a key along the bottom.
 void Screen::write_corner(const ViewState& state, const ScreenFacts& facts) {
   const int s = scale(), step = (kGlyphHeight_px + 2) * s;
   int y = picture_.height() - 3 * s - step;

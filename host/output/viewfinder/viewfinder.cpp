@@ -34,7 +34,7 @@ class Viewfinder::Loop {
     last_arrival_ = last_drawn_ = asked_ = began_;
   }
 
-  /// Until the sink is over, or the window is. Errors: those of Window::show.
+  /// Shows composites until the sink is finished. Errors: those of Window::show.
   Result<void> run() {
     MIXRIG_TRY(draw());
     for (;;) {
@@ -90,7 +90,7 @@ void Viewfinder::Loop::say(std::string_view words) {
   message_until_ = owner_.clock_.now() + kMessage;
 }
 
-/// Says `done`, or why the run does not get the order.
+/// Gives an order to the run; shows `done`, or why the order is refused.
 void Viewfinder::Loop::give(const output::RunOrder& order, std::string_view done) {
   const auto given = owner_.orders_.give(order);
   if (!given) return say(given.error().context);
@@ -119,7 +119,7 @@ void Viewfinder::Loop::obey(Request request) {
   }
 }
 
-/// The next one with each press, none after the last.
+/// Chooses the object to place: the next one with each press, none after the last.
 void Viewfinder::Loop::choose_object() {
   const int objects = owner_.orders_.state().objects;
   if (objects == 0) return say("this run cannot place objects");
@@ -129,7 +129,7 @@ void Viewfinder::Loop::choose_object() {
   message_until_ = owner_.clock_.now() + kMessage;
 }
 
-/// The view is shown pixel by pixel.
+/// Places the chosen object, or focuses, at a clicked pixel; the picture has the view's pixels.
 void Viewfinder::Loop::clicked(Window::Click click) {
   const Size size = drawn_.picture.size;
   if (click.x < 0 || click.y < 0 || click.x >= size.width || click.y >= size.height) return;
@@ -140,7 +140,7 @@ void Viewfinder::Loop::clicked(Window::Click click) {
   give(output::FocusAt{pixel}, "focused where you clicked");
 }
 
-/// True where the run tells something new.
+/// Takes over the run's state; true where something in it is new.
 bool Viewfinder::Loop::follow_run() {
   const RunNews news = follow(owner_.orders_.state(), state_);
   if (news.view) screen_.forget_range();

@@ -25,7 +25,7 @@ std::string_view video_driver() {
 
 bool whole_screen() { return video_driver() == "KMSDRM"; }
 
-/// SDL falls back to drivers that show nothing.
+/// Whether SDL has fallen back to a driver that shows nothing.
 bool shows_nothing() {
   if (std::getenv("SDL_VIDEODRIVER") != nullptr) return false;  // they were asked for
   const std::string_view driver = video_driver();

@@ -27,7 +27,8 @@ geometry::Pose world_from_pupil(const geometry::Pose& world_from_target,
                       : world_from_target;
 }
 
-/// By far points in the corners of the view: more than a fiftieth of the learned view beside it.
+/// Whether the view reaches beyond the learned one: a far point in one of its corners lies outside
+/// of it by more than a fiftieth of its size.
 bool LensWatch::beyond(const capture::Capture& capture,
                        const geometry::Pose& world_from_target) const {
   constexpr double kFar_m = 1e3, kMargin = 0.02;

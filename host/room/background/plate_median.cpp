@@ -14,7 +14,7 @@ const std::uint8_t* bytes_of(const Image<Rgb8>& plate, int y) {
   return reinterpret_cast<const std::uint8_t*>(plate.row(y));
 }
 
-/// Three or four values: without the least and the largest.
+/// Median of three or four values: the mean without the least and the largest.
 void trim_row(std::span<const Image<Rgb8>> plates, int y, int bytes, std::uint8_t* to) {
   const int kept = static_cast<int>(plates.size()) - 2;
   std::array<const std::uint8_t*, 4> from{};

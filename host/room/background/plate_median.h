@@ -19,7 +19,8 @@ class PlateMedian {
   void clear() { count_ = 0; }
   /// Adds a picture; all must have one size.
   void add(ImageView<const Rgb8> plate);
-  /// Writes the median; for an even count the mean of the two middle values, rounded up.
+  /// Writes the median of each channel; of an even count the mean of the two middle values, rounded
+  /// up.
   void finish(Image<Rgb8>& plate, Crew& crew) const;
 
  private:

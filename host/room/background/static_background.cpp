@@ -57,7 +57,7 @@ struct Bounds {
   int x0, y0, x1, y1;
 };
 
-/// Bounding box of all known depths; at least a pixel.
+/// Bounding box of all known depths, at least one pixel large.
 Bounds bounds_of_known(ImageView<const float> depth_m) {
   Bounds b{depth_m.size.width, depth_m.size.height, 0, 0};
   const auto known = [](float z) { return z > 0; };

@@ -16,7 +16,7 @@
 
 namespace mixrig::model {
 
-/// All images have the view's size.
+/// Learned picture of a room without people. All images have the view's size.
 struct StaticBackground {
   geometry::Pinhole view;
   Image<float> depth_m;        ///< median of z, 0 = never measured

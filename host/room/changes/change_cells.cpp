@@ -59,8 +59,8 @@ void ChangeCells::add(const FrameSight& sight, double dt_s) {
     }
 }
 
-/// Measures slow motion. A thing that moves by less than a depth step is still the same thing, and
-/// an object stands still. Noise is averaged out first, since a standing person sways more slowly.
+/// Measures the slow motion of a cell's surface by less than a depth step: a standing person sways,
+/// an object does not. Noise is averaged out over kSway_s first, since swaying is slower than that.
 void ChangeCells::note_unrest(float off_m, double dt_s, ChangeCell& cell) {
   ChangeCell::Half& half = cell.halves[static_cast<std::size_t>(cell.looks % 2)];
   const float frames = static_cast<float>(cell.looks++ / 2 + 1);

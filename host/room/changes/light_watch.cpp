@@ -11,7 +11,8 @@
 namespace mixrig::model {
 namespace {
 
-/// Bytes of a channel that tell its light, and the least linear colour of the model that does.
+/// Range of bytes from which a channel's light is known, and least linear colour of the model to
+/// compare with.
 constexpr int kDarkestByte = 8, kBrightestByte = 250;
 constexpr float kDarkestModel = 0.01F;
 constexpr int kFewestSamples = 4;

@@ -39,7 +39,7 @@ class LightWatch {
 
   explicit LightWatch(const Eigen::AlignedBox3d& room_m);
   void add(const FrameSight& sight, double dt_s);
-  /// By the patches seen within the last 1.5 s.
+  /// State of the light, by the patches seen within the last 1.5 s.
   const LightState& state() const { return state_; }
   double patch_m() const { return patch_m_; }
   Eigen::Vector3d center_m(std::size_t patch) const;

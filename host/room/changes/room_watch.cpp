@@ -11,10 +11,10 @@ namespace {
 
 constexpr double kLongestStep_s = 0.5;  ///< a gap between frames counts as no more
 constexpr double kRound_s = 0.5;        ///< between looks for changes
-/// A change has as many cells: 20 of 6 cm are 0.07 m^2 of surface.
+/// Least number of cells of a change: 20 of 6 cm are 0.07 m^2 of surface.
 constexpr int kFewestCells = 20;
-/// Voxels between two cells of one thing, the part of the time from which on a cell joins one, and
-/// how many have to have all of it.
+/// Cells of one thing lie within kJoinReach voxels. A cell joins a thing after kJoinPart of the
+/// time that a change must be seen; kFewestRipe of them must have been seen for all of it.
 constexpr int kJoinReach = 2;
 constexpr double kJoinPart = 0.75;
 constexpr int kFewestRipe = 10;
@@ -25,10 +25,10 @@ constexpr double kNoisePart = 1.0 / 12;
 /// Largest ratio between the numbers of cells of one thing, as appeared and as gone.
 constexpr double kMostSizeRatio = 3;
 constexpr double kFarthestMove_m = 6;
-/// Shadows of what changed lie no further from it.
+/// Largest distance of a shadow from the change that casts it.
 constexpr double kShadow_m = 0.6;
 constexpr std::size_t kMostFound = 256;
-/// Light: the least factor that counts, and the part of the room off it that makes it a lamp's.
+/// Least factor of light that counts, and share of the room off it where a lamp has changed.
 constexpr double kLeastLight = 1.2, kLampShare = 0.3;
 constexpr int kFewestPatches = 20;
 
@@ -97,7 +97,7 @@ void RoomWatch::cluster(ChangeCells& evidence, double least_s, ChangeKind kind, 
   }
 }
 
-/// All cells that hang together with a certain one.
+/// Collects in members_ the cells that are connected with `seed`, each held for `least_s`.
 void RoomWatch::grow(ChangeCells& evidence, std::size_t seed, double least_s) {
   members_.clear();
   members_.push_back(seed);
@@ -161,7 +161,7 @@ void RoomWatch::take(ChangeCells& evidence, ChangeKind kind, double time_s) {
   f.change.unrest_m = unrest;
 }
 
-/// A change that the cluster is another part of: borders between its sides say nothing.
+/// Number of the change that a cluster is another part of, though no cell joins them; 0: none.
 int RoomWatch::beside(const Eigen::AlignedBox3d& box_m, ChangeKind kind) const {
   for (std::size_t i = 0; i < found_.size(); ++i) {
     const Found& f = found_[i];
@@ -246,7 +246,7 @@ void RoomWatch::find_lights(double time_s, double dt_s) {
   lights_change_ = 0;
 }
 
-/// Not beside what stands or stood there: that is its shadow. Not while lamps make all differ.
+/// Finds changes of colour, but none within kShadow_m of another change or while a lamp differs.
 void RoomWatch::find_colors(double time_s) {
   if (lights_.state().uneven_share > kLampShare) return;
   const double patch_m = lights_.patch_m();

@@ -57,7 +57,7 @@ void FrameSight::spread_model() {
     }
 }
 
-/// A measured z that has a neighbour on its surface.
+/// Measured z of a pixel with a neighbour on its surface, else kNoDepth_m.
 float FrameSight::shared_m(int x, int y) const {
   const float z = frame_.depth_m.row(y)[x];
   if (!(z > 0)) return kNoDepth_m;

@@ -72,7 +72,7 @@ estimation::Estimate<Vector3d> fix(Views views, const Candidate& c,
   return estimation::triangulate(points);
 }
 
-/// Twice: where views disagree by more than their sigmas say, with larger ones.
+/// Place of a candidate, with larger sigmas where views disagree by more than their sigmas say.
 estimation::Estimate<Vector3d> robust_fix(Views views, const Candidate& c,
                                           const std::optional<Vector3d>& about_m) {
   auto found = fix(views, c, about_m, 1);

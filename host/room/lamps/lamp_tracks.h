@@ -54,7 +54,7 @@ enum class Refusal {
   kFewViews,    ///< seen in too few views to be a thing of the room
   kSmall,       ///< too small to matter
   kSoftBorder,  ///< its light fades at its border: a lit white thing
-  kMoves,       ///< it moves with the camera: a highlight
+  kMoves,       ///< its place differs between views: a highlight, or something before it cuts it
   kShortPath,   ///< the views do not determine its distance
   kCut,         ///< cut by the border of the picture in all views
   kBehind,      ///< behind a wall or below the floor: a mirror image, or another room

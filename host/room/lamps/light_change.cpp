@@ -15,12 +15,12 @@ namespace {
 
 constexpr std::size_t kLeastPlaces = 100;
 constexpr int kFitRounds = 12, kFitSweeps = 200;
-constexpr double kPriorOfOthers = 1e-4;  // weight of "as all others" in a place
-constexpr double kTukeySigmas = 4.685;   // sigmas
+constexpr double kPriorOfOthers = 1e-4;  // weight for a source to change as the others do
+constexpr double kTukeySigmas = 4.685;   // residuals beyond have no weight
 constexpr double kLeastScatter = 0.02;   // of a ratio: noise and rounding of one plate pixel
-constexpr double kAgrees = 0.08;         // of two sources' change
-constexpr double kSurfaceShare = 0.05;   // of a surface's light: less of a source tells nothing
-constexpr int kSurfacePlaces = 4;        // that tell of a surface
+constexpr double kAgrees = 0.08;         // relative difference of two changes that agree
+constexpr double kSurfaceShare = 0.05;   // least mean share of a source in a surface's light
+constexpr int kSurfacePlaces = 4;        // least number of places of a surface
 
 /// Normal equations of weighted least squares.
 struct Normal {
@@ -74,11 +74,14 @@ void find_gain(LightChange& change) {
 /// Evidence of one surface about a source.
 struct SurfaceVote {
   int places = 0;
-  double share = 0, light = 0;   ///< sums of the source's share, and of its square
-  double changed = 0, same = 0;  ///< sums of squares off what each way of it explains
+  double share = 0, light = 0;  ///< sums of the source's share, and of its square
+  /// Sums of squared, limited residuals: where the source changed as it showed, and where it
+  /// changed by LightChange::gain.
+  double changed = 0, same = 0;
 };
 
-/// A shadow, or a thing that moved, shows on few of the surfaces that a source lights.
+/// Finds the share of each source's light on surfaces that confirm its change. A shadow, or a thing
+/// that moved, shows on few of the surfaces that a source lights.
 void find_agreement(std::span<const WatchedPlace> places, double most_off, LightChange& change) {
   const Eigen::Index sources = change.shown.size();
   change.agreed = Eigen::VectorXd::Zero(sources);

@@ -34,7 +34,7 @@ struct LitPlace {
   Eigen::RowVectorXd gain;  ///< of each lamp's intensity, then 1 for the ambient light
 };
 
-/// Calls use(point) for lamps that are points of one.
+/// Calls use(point) for the points of a panel as lamps, or for a lamp without direction itself.
 template <typename Use>
 void each_panel_point(const geometry::Lamp& lamp, const Use& use) {
   if (!lamp.direction) {

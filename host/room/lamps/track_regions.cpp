@@ -23,7 +23,8 @@ struct Track {
   bool cut = false;
 };
 
-/// 0 where a region is the track's next sighting without doubt, kNoMatch where it cannot be.
+/// Cost of a region as the track's next sighting: 0 where it is so without doubt, kNoMatch where it
+/// cannot be.
 double cost(const Track& track, const BrightRegion& region, const geometry::Pose& pose) {
   const double radius = std::sqrt(std::max(region.solid_angle_sr, track.solid_angle_sr) / kPi);
   const double moved_m = (pose.translation_m - track.eye_m).norm();

@@ -18,7 +18,7 @@ constexpr double kCoarseGate_m = 0.06;
 constexpr double kApart_m = 0.1, kApart_rad = 3 * kDeg;
 constexpr std::size_t kMostAnswers = 12, kMostAgreeing = 4;  ///< that are refined
 constexpr double kWorthRefining = 0.75;                      ///< of the evidence of the best
-constexpr double kWorthAgreeing = 0.1;                       ///< less than the best agrees
+constexpr double kWorthAgreeing = 0.1;  ///< agreeing share below that of the best answer
 constexpr double kNear_m = 0.75, kNear_rad = 25 * kDeg;
 constexpr double kAlongStep_rad = 13 * kDeg, kSlide_m = 0.1;
 
@@ -27,7 +27,7 @@ bool within(const Pose& p, const Pose& q, double most_m, double most_rad) {
          p.rotation.angularDistance(q.rotation) < most_rad;
 }
 
-/// By index: std::stable_sort's own buffer does not keep the alignment of a pose.
+/// Sorts by index, since std::stable_sort's own buffer does not keep the alignment of a pose.
 template <typename Value>
 void sort_answers(std::vector<Answer>& answers, std::size_t first_ones, const Value& value) {
   std::vector<std::size_t> order(first_ones);

@@ -98,8 +98,8 @@ std::vector<UnitSums> sums_of(const std::vector<FitRow>& rows, const std::vector
   return sums;
 }
 
-/// Standard deviation of the units' own errors, by moments: the mean residual of a unit is its own
-/// error less the part that the fit absorbed.
+/// Standard deviation of the errors that whole units have, by moments: the mean residual of a unit
+/// is its own error less what the fit absorbed of the errors of all units.
 double common_sigma_m(const std::vector<UnitSums>& sums, const Matrix6d& inverse, double single_m) {
   constexpr double kFewPlaces = 30;  // that say little of their unit
   double found = 0, expected = 0;

@@ -32,7 +32,7 @@ Eigen::Vector3f place_color(const Panorama& p, const Eigen::Vector2d& at) {
   return {static_cast<float>(c.r), static_cast<float>(c.g), static_cast<float>(c.b)};
 }
 
-/// By the neighbours `reach` pixels around; none across a depth step.
+/// Normal of a place by its neighbours at `reach` pixels; nullopt across a depth step.
 std::optional<Vector3d> place_normal(const Panorama& p, const Directions& rays, int x, int y,
                                      int reach) {
   const Size size = p.size();

@@ -23,7 +23,7 @@ constexpr double kSameAngle = 0.05;          ///< of cosines: 3 degrees
 constexpr double kMostTilt_rad = 25 * kDeg;  ///< between the z axes: heads of tripods
 constexpr double kMostShift_m = 50;
 
-/// Columns are unit normals; distances from the origin.
+/// Three planes: unit normals as columns, and distances from the origin.
 struct Triple {
   Matrix3d normals;
   Vector3d away_m;

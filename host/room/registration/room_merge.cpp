@@ -27,7 +27,7 @@ bool same_place(const fs::path& p, const fs::path& q) {
 
 Error merge_usage(const std::string& why) { return {ErrorCode::kUsage, "scan --merge: " + why}; }
 
-/// Whether the words can be meant so. OUT that is a room may be a room after which OUT was
+/// Checks the folders. An OUT that is a scanned room is refused: it may be the last room, and OUT
 /// forgotten.
 Result<void> check_folders(const std::vector<fs::path>& rooms, const fs::path& out) {
   if (out.empty() || rooms.size() < 2 || rooms.size() > model::kMostJoined)

@@ -15,13 +15,13 @@ using Eigen::Vector3d;
 
 constexpr double kNearlyAsGood = 0.9;  ///< a tenth of a room may have changed
 constexpr double kAgreesNearlyAsWell = 0.05;
-constexpr double kAgreesAsWell = 0.01;  ///< less than the best agrees
+constexpr double kAgreesAsWell = 0.01;  ///< largest difference of shares that agree equally well
 constexpr double kColorSigmas = 3;
 constexpr double kLeastColor = 0.8;            ///< that of a room turned half around is 0.7
-constexpr double kColorPatch_rad = 10 * kDeg;  ///< that counts as one colour
+constexpr double kColorPatch_rad = 10 * kDeg;  ///< side of a patch that counts as one colour
 /// Least share of the places whose normals hold a direction of the translation.
 constexpr double kLeastHold = 0.01;
-constexpr double kLeastCheck = 0.008;  ///< the same without one wall
+constexpr double kLeastCheck = 0.008;  ///< that share when one wall is left out
 constexpr double kUpright = 0.8;       ///< normals nearer to the z axis are those of floors
 
 /// By how many sigma the colours of one answer fit better (Fisher's z).
@@ -38,7 +38,8 @@ std::string near_text(const geometry::Pose& p) {
                      p.translation_m.z(), std::atan2(-ahead.x(), ahead.y()) / kDeg);
 }
 
-/// A smaller overlap with less against it is as good an explanation of what both rooms see.
+/// Whether another answer explains what both rooms see as well as the best: also one of smaller
+/// overlap that fewer places contradict.
 bool is_rival(const Answer& other, const Answer& best) {
   const double worse = best.evidence.agreeing() - other.evidence.agreeing();
   if (other.evidence.of_all() >= kNearlyAsGood * best.evidence.of_all())

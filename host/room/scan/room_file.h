@@ -18,10 +18,10 @@ struct RoomManifest {
   int views = 0, frames = 0;
   int triangles = 0;
   double mesh_tolerance_m = 0;
-  std::string calibration_hash;       ///< calibration that the sweep was fused with
+  std::string calibration_hash;       ///< hash of the sweep's calibration; empty: it had none
   geometry::Vignetting vignetting{};  ///< of the target camera, removed from the colour
   std::optional<geometry::Pose> world_from_base{};  ///< absent unless the views had their own poses
-  double distance_sigma = 0;  ///< relative error that all distances share; 0: unknown
+  double distance_sigma = 0;  ///< sigma of the relative error of all distances; 0: unknown
 };
 
 struct RoomFile {

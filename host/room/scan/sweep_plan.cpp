@@ -119,7 +119,7 @@ double covered_share_of(const SweepTask& t, const std::vector<HeadView>& views) 
   return covered / all;
 }
 
-/// For a unit that turns as far down as up; empty where nothing covers the field.
+/// Views for a unit that turns as far down as up; empty where nothing covers the field.
 std::vector<HeadView> plan_both_ways(const SweepTask& task) {
   const double part = 1 - task.overlap;
   SweepTask within = task;  // what the unit can reach
@@ -167,7 +167,7 @@ std::vector<HeadView> joined(const std::vector<HeadView>& below,
   return views;
 }
 
-/// For any unit; empty where nothing covers the field.
+/// Views for any unit; empty where nothing covers the field.
 std::vector<HeadView> views_of(const SweepTask& task) {
   std::vector<HeadView> views = plan_both_ways(task);
   if (const auto& down = task.most_down_rad; down && *down != task.most_tilt_rad) {
@@ -182,7 +182,7 @@ bool is_within(const SweepTask& task, const std::vector<HeadView>& views) {
   return task.most_views == 0 || views.size() <= static_cast<std::size_t>(task.most_views);
 }
 
-/// The highest field that so many views cover, to a degree; no views where none is.
+/// Plans the highest field that SweepTask::most_views cover, to a degree; no views where none is.
 void lower_field(const SweepTask& task, SweepPlan& plan) {
   constexpr double kStep_rad = std::numbers::pi / 180;
   plan = {};

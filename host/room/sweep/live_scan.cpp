@@ -156,7 +156,7 @@ Result<void> hold_colors(const SweepSetup& setup, live::Devices& devices, live::
   return write_file(file, live::held_text(live::hold_controls(config, camera, earlier)));
 }
 
-/// None, with a warning, where the camera has no exposure control.
+/// Control of the other exposures; nullopt, with a warning, where the camera cannot be controlled.
 std::optional<live::ExposureBracket> bracket_of(device::Camera& camera,
                                                 const live::LiveSweepRig& rig) {
   auto bracket = live::ExposureBracket::create(camera, rig.color_period());
@@ -246,7 +246,7 @@ Result<LiveScan> sweep_with(live::Devices& devices, const SweepSetup& setup,
   return ended_sweep(options, begun, swept);
 }
 
-/// Before devices are opened.
+/// Checks the output and the sweep's folder before devices are opened.
 Result<SweepIdentity> check_sweep(const LiveScanOptions& options, const SweepSetup& setup) {
   MIXRIG_TRY(check_out(options.out));
   MIXRIG_ASSIGN(SweepIdentity identity, identity_of(options, setup));

@@ -56,7 +56,7 @@ std::filesystem::path sweep_folder(const std::filesystem::path& out);
 Result<LiveScan> sweep_room(const LiveScanOptions& options, const std::atomic<bool>& stop,
                             Clock& clock);
 /// Sweeps with the devices of a run, which goes on. No plates at other exposures are taken, and
-/// automatic settings of a camera are not held. Precondition: something reads the frames of `rig`.
+/// automatic settings of a camera are not held. Precondition: RunningRig::listen(true) was called.
 Result<LiveScan> sweep_room_of_run(const LiveScanOptions& options, live::RunningRig& rig,
                                    const std::atomic<bool>& stop, Clock& clock);
 

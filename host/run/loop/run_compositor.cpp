@@ -99,7 +99,8 @@ void RunCompositor::use(EditedScenePtr edited) {
   exchange_.use(std::move(edited));
 }
 
-/// That an operator chose, where the scene in use has a focus and the view that pixel.
+/// Focus pixel that an operator chose; nullopt unless the scene in use has a focus and the view
+/// holds the pixel.
 std::optional<glm::ivec2> RunCompositor::focus_pixel() const {
   const Size view = session_.setup.view.size_px;
   if (!focus_px_ || !exchange_.scene().focus || focus_px_->x >= view.width ||
@@ -121,7 +122,7 @@ void RunCompositor::move_objects(output::Composite& composite) {
   composite.world_from_object.assign(poses.begin(), poses.end());
 }
 
-/// Objects with physics go on from where the scene has been changed to put them.
+/// Moves objects with physics to where a change of the scene puts them.
 void RunCompositor::place_moved_objects() {
   const auto& wanted = frame_scene_.world_from_object;
   for (std::size_t i = 0; i < std::min(wanted.size(), wanted_poses_.size()); ++i)
@@ -156,7 +157,7 @@ void RunCompositor::count_plate(const capture::Capture& capture) {
   if (imported) plates.layout = capture.picture->raw().layout;
 }
 
-/// Has the source give plates as the compositor in use reads them.
+/// Asks the source for plates in the form that the compositor in use reads.
 void RunCompositor::share_plates() {
   const render::PlateNeed need = compositor_->state().plate_need;
   if (need == std::exchange(asked_, need)) return;

@@ -22,8 +22,8 @@ bool has_true_poses(const Session& session) {
   return from_elsewhere && session.source->info().true_poses;
 }
 
-/// For the motion blur of virtual things and to tell which plates are sharp: what the scene or else
-/// the source says; 0: nobody asks, or it is not known.
+/// Exposure time of a plate by the scene, else by the source, for the motion blur of virtual
+/// objects and to find sharp plates; 0: not needed, or unknown.
 double plate_exposure_s(const Session& session) {
   const scene::LookSettings& look = session.scene.look;
   const bool asked = look.motion || session.setup.look.measures();
@@ -73,7 +73,8 @@ void RunPoses::watch(output::Composite& composite, bool judges, const capture::T
   watch_camera(composite.world_from_target);
 }
 
-/// The world of "floor" and "identity" is not that of the truth.
+/// Measures slip. It compares with true poses only where the scene's poses are in their world,
+/// which those of "floor" and "identity" are not.
 void RunPoses::watch_slip(output::Composite& composite, bool judges, const capture::Truth* truth) {
   composite.slip_px = composite.slip_sigma_px = std::nullopt;
   if (!composite.objects_shown) return;

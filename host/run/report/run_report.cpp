@@ -16,7 +16,7 @@
 namespace mixrig::session {
 namespace {
 
-/// Three digits: the accuracy of the sketch.
+/// Quantile in three digits, which is the accuracy of the sketch.
 double quantile(const measure::QuantileSketch& sketch, double q) {
   return rounded(sketch.quantile(q), 3);
 }
@@ -79,7 +79,7 @@ nlohmann::json to_json(const SlipReport::Measured& slip) {
           {"max", rounded(slip.max_px)}};
 }
 
-/// Counts, and what is known of a network stream.
+/// Counts of faults, and figures of a network stream.
 nlohmann::json stream_json(const PoseReport& report) {
   nlohmann::json out = to_json(report.faults);
   if (!report.stream) return out;
@@ -143,7 +143,7 @@ std::string slip_line(const SlipReport& slip) {
   return line.empty() ? line : "  slip of the contact points: " + line + "\n";
 }
 
-/// Nothing where every frame has a sound pose and neither slip nor the true poses are known.
+/// Lines about poses; empty where all frames have sound poses and no slip or true pose is known.
 std::string pose_line(const PoseReport& report) {
   const capture::PoseFaults& f = report.faults;
   std::string line;
@@ -187,7 +187,7 @@ nlohmann::json to_json(const PlateReport& plates) {
   return {{"imported", plates.imported}, {"copied", plates.copied}, {"how", text(plates)}};
 }
 
-/// Times have the names of their keys; stages that ran alone.
+/// Adds counts and times of the frames; only stages that ran are listed.
 void add_frames(const FrameReport& frames, nlohmann::json& out) {
   out["frames"] = frames.frame_ms.count();
   out["stage_ms"] = nlohmann::json::object();

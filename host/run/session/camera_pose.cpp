@@ -134,14 +134,14 @@ Poses extra_poses(const Session& session, const Clock* clock) {
                               "broadcast");
 }
 
-/// Null without a clock.
+/// Poses of a motion capture system; null without a clock.
 Poses mocap_poses(const Session& session, const Clock* clock) {
   MIXRIG_ASSIGN(pose::MocapOptions options, mocap_options(session));
   if (clock == nullptr) return std::unique_ptr<capture::PoseSource>();
   return pose::open_mocap_poses(session.scene.camera.mocap.server, std::move(options), *clock);
 }
 
-/// Without a clock null for those of a network, which are only checked.
+/// Poses of the scene's source. Without a clock those of a network are only checked, and null.
 Poses make_poses(const Session& session, const Clock* clock) {
   const scene::PoseKind& kind = scene::kind_of(session.scene.pose_source);
   if (kind.is_live && !session.is_live())

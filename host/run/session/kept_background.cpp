@@ -26,7 +26,7 @@ std::vector<render::BackgroundModel> models_of(const Session& session,
   return {{b.view, {world_from_view}, b.depth_m, b.depth_sigma_m, color}};
 }
 
-/// The order of session.cpp: rooms, then the view.
+/// Points the setup to the images; the order is that of session.cpp: rooms, then the view.
 void KeptBackground::see() {
   for (std::size_t i = 0; i < rooms.size(); ++i) {
     render::BackgroundModel& model = setup.background_models[i];

@@ -17,7 +17,7 @@ using scene::KeyRung;
 using scene::LightRung;
 using scene::Rungs;
 
-/// The steps down from the rungs of a scene, in order.
+/// Steps from the quality levels of a scene to faster ones, in order.
 std::vector<std::function<void(Rungs&)>> steps_down(const Rungs& from, bool has_focus,
                                                     bool has_objects) {
   std::vector<std::function<void(Rungs&)>> steps;

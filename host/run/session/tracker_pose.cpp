@@ -18,8 +18,8 @@ Error at_pose(const Session& session, ErrorCode code, const std::string& what) {
   return {code, session.scene.path.string() + ": camera.pose: \"tracker\", but " + what};
 }
 
-/// Checks the source: a recording's first capture, or the devices of a live rig, must have what the
-/// tracker needs.
+/// Checks that the fisheye's pictures have the calibrated size; for a recording also that its first
+/// capture has a fisheye picture, and head angles where the prediction needs them.
 Result<void> check_source(const Session& session, Size calibrated_px) {
   Size size = session.source->info().fisheye_px;
   if (!session.source->info().is_live()) {

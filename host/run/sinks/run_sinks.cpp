@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSheetStep = 10;  // row k of an endless sheet: frame first + 10 k^2
 
-/// Spread over the range; at growing distances where its end is not known.
+/// Frames of the sheet: spread over the range, or at growing distances where it has no end.
 std::vector<int> sheet_frames(FrameRange range, int rows) {
   if (range.second != capture::kEndless) return output::spread(range.first, range.second, rows);
   std::vector<int> frames;
@@ -26,7 +26,7 @@ double RunSinks::rate_hz() const {
   return rate_hz > 0 ? rate_hz : 25;
 }
 
-/// A set without a picture leaves parts transparent.
+/// Whether composites have transparent parts: where a set has no picture.
 bool RunSinks::is_transparent() const {
   return session_.setup.backdrop && session_.setup.backdrop->picture.empty();
 }
@@ -101,12 +101,13 @@ void RunSinks::wait_for_mover() {
   for (output::SinkThread* sink : before_moves_) sink->wait_until_idle();
 }
 
-/// Files need nothing while the operator does not record.
+/// Images that a sink wants of a frame; the files want none while the operator does not record.
 render::OutputMask RunSinks::wanted_by(const output::SinkThread& sink, int number) const {
   return !recording_ && &sink == files_ ? 0 : sink.sink().wanted(number);
 }
 
-/// deliver() waits for the sheet of a recording.
+/// Images that the sinks want of a frame. In a recording those of the sheet are not kept, since
+/// deliver() waits for it.
 RunSinks::Wanted RunSinks::wanted(int number) const {
   Wanted images;
   for (const auto& sink : sinks_) {

@@ -156,7 +156,7 @@ void ChangeSink::tell() {
                                        100 * change.certainty));
 }
 
-/// Frames to learn from, where there is something to accept.
+/// Collects frames to learn from while there are changes to accept, and then learns them.
 Result<void> ChangeSink::collect(const output::Composite& composite) {
   bool asked = false;
   while (orders_ != nullptr && orders_->take<output::LearnChanges>()) asked = true;
@@ -195,7 +195,7 @@ void ChangeSink::hand_out(std::shared_ptr<KeptBackground> next) {
   learned_ = std::move(next);
 }
 
-/// The last one counts; a scan that is ordered while one is at work begins anew.
+/// Follows orders to learn the room; the last one counts, and restarts a scan that is at work.
 Result<void> ChangeSink::obey_scan_orders() {
   while (const auto order = orders_->take<output::LearnRoom>()) {
     scan_.reset(), scan_views_.reset();
@@ -207,7 +207,7 @@ Result<void> ChangeSink::obey_scan_orders() {
   return {};
 }
 
-/// One look at the whole room, while a scan is asked for.
+/// Adds one frame of the whole room to a scan that was ordered.
 Result<void> ChangeSink::scan(const output::Composite& composite) {
   if (orders_ == nullptr) return {};
   MIXRIG_TRY(obey_scan_orders());

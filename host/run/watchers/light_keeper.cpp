@@ -23,21 +23,21 @@
 namespace mixrig::session {
 namespace {
 
-constexpr int kSoon = 2;      // frames to the next look, where one has found what is not in use
-constexpr int kLookStep = 5;  // frames: six looks a second at 30 Hz
+constexpr int kSoon = 2;      // frames to the next measurement if one found a change not in use
+constexpr int kLookStep = 5;  // frames: six measurements a second at 30 Hz
 constexpr std::size_t kMostEvents = 100;
 constexpr double kTold = 0.2;       // change of a factor that is an event
-constexpr double kSame = 0.15;      // less is none: what the room hides of a lamp is not known
-constexpr double kOfLight = 0.02;   // less of all light is no change: people hide lamps too
-constexpr double kCertain = 3;      // sigmas of both
-constexpr double kAgreed = 0.6;     // of a source's light, by surfaces: a shadow shows on few
-constexpr int kLeastSurfaces = 3;   // that a change shows on
-constexpr double kRepeated = 0.15;  // of a factor, from one look to the next: shadows move
-constexpr double kSurface_m = 1;    // side of the cells that places of one surface lie in
-constexpr double kHidden = 0.15;  // share of a lamp that people may hide from a place that is used
-constexpr double kLeastSeen = 0.5;  // of what the places tell of a source, else it stays as it is
+constexpr double kSame = 0.15;      // least change: occlusion of lamps by the room is not exact
+constexpr double kOfLight = 0.02;   // least change as a share of all light: people hide lamps too
+constexpr double kCertain = 3;      // least change in its sigmas
+constexpr double kAgreed = 0.6;     // least LightChange::agreed: a shadow shows on few surfaces
+constexpr int kLeastSurfaces = 3;   // least number of surfaces that show a change
+constexpr double kRepeated = 0.15;  // largest difference of two measurements that agree
+constexpr double kSurface_m = 1;    // side of the cells in which places are one surface
+constexpr double kHidden = 0.15;    // least share in a place's light of a lamp that must be visible
+constexpr double kLeastSeen = 0.5;  // least share of a source's evidence, else its factor stays
 constexpr int kPeopleStep_px = 4;   // between pixels of people
-constexpr double kExplained = 0.5;  // of the places, else nothing is changed
+constexpr double kExplained = 0.5;  // least share of explained places, else nothing is changed
 constexpr float kDarkest = 0.02F, kBrightest = 0.85F;  // linear
 
 float luminance_of(const Rgb8& c) {
@@ -99,7 +99,7 @@ class LightSink final : public output::CompositeSink {
     const std::lock_guard lock(mutex_);
     return std::exchange(found_, {});
   }
-  /// The last look found a change that is not in use.
+  /// Whether the last measurement found a change that is not in use yet.
   bool looks_soon() const { return looks_soon_; }
   const LightReport& report() const { return report_; }
 
@@ -169,7 +169,7 @@ void LightSink::learn(const geometry::Pose& world_from_camera) {
   for (const Known& known : known_) told_by_all_ += known.share.cwiseAbs2();
 }
 
-/// Their surface as it is seen, world.
+/// Columns around the surface of people that the camera sees, in world axes.
 lights::BodyColumns LightSink::people(const output::Composite& composite) {
   const Image<float>& depth_m = composite.images.segmented_depth_m;
   const Eigen::Matrix4d world_from = composite.world_from_target.matrix();
@@ -193,7 +193,7 @@ bool LightSink::may_be_hidden(const Known& known, const lights::BodyColumns& peo
   return false;
 }
 
-/// Places that neither people nor their shadows cover.
+/// Fills places_ with places that neither people nor their shadows cover.
 void LightSink::gather(const output::Composite& composite) {
   const Image<Rgb8>& plate = plate_of(*composite.capture);
   const lights::BodyColumns bodies = people(composite);
@@ -207,8 +207,8 @@ void LightSink::gather(const output::Composite& composite) {
   }
 }
 
-/// Factors that two looks agree on; the others stay as they are in use, and so do those of sources
-/// whose light people cover or may hide.
+/// Factors on which two measurements in a row agree; the others stay as they are in use, and so do
+/// those of sources whose light people cover or may hide.
 std::vector<double> LightSink::repeated(const std::vector<double>& now) {
   bool differs = false;
   Eigen::VectorXd told_by = Eigen::VectorXd::Zero(told_by_all_.size());

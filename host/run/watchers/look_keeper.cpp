@@ -30,7 +30,7 @@ class LookSink final : public output::CompositeSink {
   }
   Result<void> finish() override { return {}; }
 
-  /// On another thread only before the first write().
+  /// Measures the look of a plate. Another thread may call it only before the first write().
   render::PictureLook measure(ImageView<const Rgb8> plate) {
     last_ = meter_.measure(plate, last_);
     return last_;
@@ -95,7 +95,7 @@ void LookKeeper::open(WorkGate* gate) {
   watch_.open(std::make_unique<LookSink>(setup), live_, gate);
 }
 
-/// Nullopt where it is not known.
+/// Way of the picture during the exposure; nullopt where it is unknown.
 std::optional<glm::vec2> LookKeeper::way_px(const output::Composite& composite) const {
   if (!session_.poses || !session_.poses->info().moves) return glm::vec2(0);
   if (!composite.motion) return std::nullopt;

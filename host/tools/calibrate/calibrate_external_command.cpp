@@ -72,7 +72,7 @@ struct ExternalArguments {
   std::string input, calibration;
 };
 
-/// target_from_body as an entry of calibration.toml. Errors: kData where the pose of the camera in
+/// Entry of calibration.toml with target_from_body. Errors: kData where the pose of the camera in
 /// the target camera is not known.
 Result<calibration_file::CalibratedPose> entry_of(const mocap::ExternalInput& input,
                                                   const mocap::ExternalCalibration& found,

@@ -125,7 +125,7 @@ Result<std::optional<ImageCircle>> circle_of(const IntrinsicsArguments& argument
   return std::optional(ImageCircle{{v[0], v[1]}, v[2], 0, 0});
 }
 
-/// Other tools' files hold no largest angle.
+/// Warns that files of OpenCV and Kalibr cannot hold the camera's largest angle.
 void warn_of_losses(const IntrinsicsArguments& arguments, const Intrinsics& in) {
   if (!geometry::max_angle_rad(in.camera) || (arguments.opencv.empty() && arguments.kalibr.empty()))
     return;

@@ -70,7 +70,8 @@ void print_field(const Intrinsics& in) {
 std::vector<std::string> objections(const Intrinsics& in, const UncertaintyMap& map) {
   constexpr double kWorst_px = 2.0, kMedian_px = 0.5, kRms_px = 1.0, kPointsOut = 0.1;
   constexpr int kFewViews = 6;
-  // Angle to which lenses of two and of four terms still agree that fit the points equally well.
+  // So far beyond the outermost point, lenses of two and of four terms that fit the points equally
+  // well still agree.
   constexpr double kMostBeyond_rad = 15 * kDegree;
   std::vector<std::string> why;
   if (!(map.worst_px <= kWorst_px))

@@ -108,7 +108,7 @@ Result<Wanted> find_wanted(const FlashArguments& arguments) {
   return Wanted{std::move(bytes), must_answer};
 }
 
-/// Returns whether flash held bootable firmware, which was kept.
+/// Writes bootable firmware that flash held to a file; returns whether there was any.
 Result<bool> keep_previous(const FlashArguments& arguments, const device::PreviousFlash& previous) {
   if (previous.blank || !device::worth_keeping(previous.bytes)) {
     std::printf("nothing bootable in flash: nothing kept\n");
@@ -120,7 +120,8 @@ Result<bool> keep_previous(const FlashArguments& arguments, const device::Previo
   return true;
 }
 
-/// Nothing was changed: starts the firmware that is in flash.
+/// Starts the firmware that is in flash, after an error before anything was changed. Returns
+/// `error`.
 Error start_old_firmware(Target& target, Error error) {
   (void)target.bootloader->go(protocol::kFlashBase);
   return error;
@@ -145,7 +146,7 @@ Result<nlohmann::json> keep_and_write(Target& target, const FlashArguments& argu
   return report;
 }
 
-/// Returns the number of commands that were repeated.
+/// Prints and returns the number of commands that were repeated.
 int print_noise(const Target& target) {
   const int repeats = target.rom != nullptr ? target.rom->repeats() : 0;
   if (repeats > 0) {

@@ -19,7 +19,7 @@ struct MapTrackArguments {
   int patches = 300, finest = 0, threads = 0;
 };
 struct MapAlignArguments {
-  std::string map, other, out;  ///< a second map, or a room
+  std::string map, other, out;  ///< `other`: a second map, or a room
   std::string calibration;      ///< of the camera that learned the map; for placing it in a room
   int threads = 0;
 };

@@ -118,7 +118,7 @@ Result<nlohmann::json> scan_sweep(const ScanArguments& arguments) {
   return model_room(arguments, arguments.sweep, arguments.session.calibration);
 }
 
-/// Before the head turns for minutes.
+/// Prints the plan of a sweep before the head turns for minutes.
 void print_plan(const session::LiveScan& plan) {
   std::printf("%d views", plan.planned);
   if (plan.resumed > 0) std::printf(", %d of them from an earlier run", plan.resumed);

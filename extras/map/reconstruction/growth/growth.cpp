@@ -81,7 +81,7 @@ const KeySighting* Grower::sighting(std::size_t track, int key) const {
   return nullptr;
 }
 
-/// In sigmas; large where the place lies behind.
+/// Error of a sighting in sigmas; large where the place lies behind the camera.
 double Grower::residual_of(std::size_t track, const KeySighting& s) const {
   const Vector3d p = *grown_.poses[static_cast<std::size_t>(s.key)] * *grown_.places[track];
   if (!(p.dot(s.ray.direction) > 0)) return 1e9;
@@ -173,7 +173,7 @@ bool Grower::add(int key) {
   return true;
 }
 
-/// Places that are not known yet, or all, from the key pictures that have poses.
+/// Triangulates places that are not known yet, or all, from the key pictures that have poses.
 void Grower::triangulate(bool all) {
   for (std::size_t t = 0; t < grown_.sightings.size(); ++t) {
     if (grown_.places[t] && !all) continue;

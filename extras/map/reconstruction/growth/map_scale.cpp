@@ -24,8 +24,8 @@ double smooth_depth(const Image<float>& depth_m, const Eigen::Vector2d& px) {
   return median_in_place(std::span<float>(values));
 }
 
-/// Metres per unit by one point in axes of the map's camera: the place of the point in the depth
-/// camera hangs on the scale by the distance of the two cameras.
+/// Metres per unit by one point in axes of the map's camera. The place of the point in the depth
+/// camera depends on the scale, by the distance of the two cameras.
 double scale_of_point(const Vector3d& in_camera, const DepthView& view, const DepthCamera& camera,
                       double guess) {
   double scale = guess;
@@ -112,7 +112,7 @@ Mode mode_of(std::vector<double> values) {
 std::optional<ScaleFit> scale_by_depth(std::span<const SeenPlace> places,
                                        const trajectory::Trajectory& path,
                                        const DepthRecord& depth) {
-  // Without the distance of the two cameras the pixels of a place do not hang on the scale.
+  // Without the distance of the two cameras the pixels of a place do not depend on the scale.
   DepthCamera in_one_place = depth.camera;
   in_one_place.from_camera.translation_m.setZero();
   double guess = 1;

@@ -28,7 +28,7 @@ Surveyor::Surveyor(const FeatureTracks& tracks, const geometry::AnyCamera& camer
   gather();
 }
 
-/// Sightings of the key pictures as they were left, and all between them.
+/// Collects the sightings that remain in key pictures, and all in the pictures between them.
 void Surveyor::gather() {
   std::vector<char> is_key(tracks_.times_s.size(), 0);
   for (const KeyPicture& key : tracks_.keys) is_key[static_cast<std::size_t>(key.picture)] = 1;
@@ -50,7 +50,7 @@ void Surveyor::gather() {
   }
 }
 
-/// Poses from the places; of pictures without one, or of all but the views.
+/// Finds poses from the places: of pictures without a pose, or with `all` of all but the views.
 void Surveyor::place_pictures(bool all) {
   std::vector<std::vector<Vector3d>> places(result_.poses.size());
   std::vector<std::vector<estimation::Bearing>> rays(result_.poses.size());
@@ -80,7 +80,7 @@ void Surveyor::place_pictures(bool all) {
   }
 }
 
-/// Key pictures, and so many of the others.
+/// Chooses the views: key pictures, and others, evenly, up to kMostViews.
 void Surveyor::choose_views() {
   is_view_.assign(result_.poses.size(), 0);
   std::size_t views = 0;

@@ -76,7 +76,7 @@ void Surveyor::adjust(int iterations) {
     result_.places[track_of_place[p]] = bundle.places[p];
 }
 
-/// In sigmas; large where the place lies behind.
+/// Error of a sighting in sigmas; large where the place lies behind the camera.
 double Surveyor::error_of(std::size_t track, const SurveyRay& r) const {
   const Vector3d p = pose(result_.tracks[track].seen[r.seen]) * *result_.places[track];
   return p.dot(r.ray.direction) > 0 ? ray_error<double>(r.ray, p).norm() : 1e9;

@@ -22,7 +22,8 @@ void Surveyor::rescale_to_metres(double metres_per_unit) {
   for (auto& covariance : result_.covariances) covariance *= metres_per_unit * metres_per_unit;
 }
 
-/// The scale by the depth camera, and what it says of each place; false where it does not tell.
+/// Measures the scale and the distance of each place by the depth camera; false where the depth
+/// does not determine the scale.
 bool Surveyor::measure() {
   measured_.clear();
   if (depth_ == nullptr || depth_->views.empty()) return false;

@@ -52,7 +52,8 @@ class Surveyor {
   Survey result_;
   std::vector<char> is_view_;                 ///< by picture
   std::vector<std::vector<SurveyRay>> rays_;  ///< by track, of views
-  std::vector<double> measured_;  ///< distance by track, relative to the map's; 0: not measured
+  /// By track: distance by the depth camera over that in the map; 0: not measured.
+  std::vector<double> measured_;
 };
 
 }  // namespace mixrig::reconstruction

@@ -93,7 +93,7 @@ std::vector<std::size_t> agreeing(const LearnedMap& map, std::span<const KeyInRo
   return those;
 }
 
-/// That two key pictures determine; none where they are too near each other to tell a scale.
+/// Similarity by two key pictures; nullopt where they are too near each other for a scale.
 std::optional<estimation::Similarity> of_pair(const LearnedMap& map, const KeyInRoom& a,
                                               const KeyInRoom& b) {
   const geometry::Pose &from_a = map.keys[a.key].map_from_camera,
@@ -149,7 +149,7 @@ class RoomFit {
   std::vector<Vector7> of_cluster_;
 };
 
-/// Rows of the six coordinates of a pose, whitened.
+/// Adds rows of the six coordinates of each key picture's pose, whitened.
 void RoomFit::add_keys() {
   place_.keys_agree = 0;
   for (const KeyInRoom& k : found_) {
@@ -173,7 +173,7 @@ void RoomFit::add_keys() {
   }
 }
 
-/// Distances of points from the planes behind them.
+/// Adds rows of the distances of points from the planes behind them.
 void RoomFit::add_points() {
   struct Row {
     Vector7 row;
@@ -219,7 +219,7 @@ void RoomFit::add_scale() {
       of_cluster_.size() - 1);
 }
 
-/// Returns how far the middle of the map moved, m.
+/// Makes one step; returns how far the middle of the map moved, m.
 double RoomFit::step() {
   clear();
   add_keys(), add_points(), add_scale();

@@ -24,8 +24,7 @@ struct MapInRoom {
   /// Covariance at the middle of the map's key pictures: rotation vector (rad), translation (m),
   /// log(scale).
   Eigen::Matrix<double, 7, 7> covariance = Eigen::Matrix<double, 7, 7>::Zero();
-  std::size_t keys = 0,
-              keys_agree = 0;  ///< key pictures found in the room; those that agree on one place
+  std::size_t keys = 0, keys_agree = 0;      ///< key pictures found in the room; those that agree
   std::size_t points = 0, points_agree = 0;  ///< points over known surface; those that lie on it
   double sigma_m() const;                    ///< along the worst axis
   double sigma_rad() const;

@@ -34,7 +34,8 @@ double distance_of(const geometry::Pose& pose, const Vector3d& place,
   return ray_error<double>(ray, p).norm();
 }
 
-/// At least 1: where most places lie farther off than their sigma says, more of them count.
+/// Scale of the errors in sigmas, at least 1. Where most places lie farther off than their sigma
+/// says, it is larger, so that more of them count.
 double scale_of(Places places, Rays rays, const geometry::Pose& pose) {
   std::vector<double> distances(places.size());
   for (std::size_t i = 0; i < places.size(); ++i)

@@ -33,7 +33,7 @@ std::vector<std::string> parts_of_address(std::string_view address) {
   return parts;
 }
 
-/// A switch: true, false, 1 or 0; nothing toggles.
+/// Value of a switch: true, false, 1 or 0; a message without arguments toggles it.
 Result<bool> switch_of(const OscReceived& message, bool now) {
   if (message.arguments.empty()) return !now;
   const OscArgument& first = message.arguments.front();
@@ -84,7 +84,7 @@ Result<json> body_of(const OscReceived& message, const std::string& kind, const 
   return json{{key, value}};
 }
 
-/// /mixrig/lamp/NAME/on.
+/// Action of an address of one object, lamp or camera, such as /mixrig/lamp/NAME/on.
 Result<Action> thing_action(const OscReceived& message, const std::vector<std::string>& parts,
                             const json& state) {
   const std::string kind = parts[0] + "s";
@@ -133,7 +133,7 @@ Result<Action> simple_action(const OscReceived& message, const std::string& verb
   return Action(output::RunOrder(output::ShowView{*view}));
 }
 
-/// /mixrig/focus/on, at, distance_m, f_number.
+/// Action of /mixrig/focus/KEY with KEY on, at, distance_m or f_number.
 Result<Action> focus_action(const OscReceived& message, const std::string& key, const json& focus) {
   json value;
   if (key == "on") {

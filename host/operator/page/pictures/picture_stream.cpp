@@ -65,7 +65,7 @@ void PictureStream::start() {
   send_newest();
 }
 
-/// The client sends nothing more; a read ends when it has gone.
+/// Waits for the client to close. It sends nothing more, so a read ends only then.
 void PictureStream::wait_for_end() {
   stream_.async_read_some(asio::buffer(&ignored_, 1),
                           [self = shared_from_this()](beast::error_code error, std::size_t) {

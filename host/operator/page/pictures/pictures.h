@@ -52,7 +52,7 @@ class Pictures {
   /// Images of the compositor that the viewed views need; none while frozen.
   render::OutputMask wanted() const;
 
-  /// Null before the first picture.
+  /// Newest picture of a view; null before the first one.
   PicturePtr newest(View view) const;
   void put(View view, std::shared_ptr<Picture> picture);
   /// Gives a picture to the receivers of its view.

@@ -17,7 +17,7 @@ bool is_alphanumeric(char c) {
   return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
 }
 
-/// ice-char of RFC 8839.
+/// Whether a text has `least` to 256 characters, all ice-char of RFC 8839.
 bool is_ice_text(std::string_view text, std::size_t least) {
   constexpr std::size_t kMost = 256;
   return text.size() >= least && text.size() <= kMost &&
@@ -36,7 +36,7 @@ bool is_fingerprint(std::string_view text) {
   return true;
 }
 
-/// Lines end with CR LF or LF.
+/// Takes the next line off `text`. Lines end with CR LF or LF.
 std::string_view next_line(std::string_view& text) {
   const std::size_t end = std::min(text.find('\n'), text.size());
   std::string_view line = text.substr(0, end);
@@ -45,7 +45,8 @@ std::string_view next_line(std::string_view& text) {
   return line;
 }
 
-/// "m=video 9 UDP/TLS/RTP/SAVPF 96 97": not refused (port 0), and 96 among its formats.
+/// Whether a line such as "m=video 9 UDP/TLS/RTP/SAVPF 96 97" takes our video: it is not refused
+/// (port 0), and 96 is among its formats.
 bool takes_our_video(std::string_view line) {
   constexpr std::string_view kProfile = " UDP/TLS/RTP/SAVPF ";
   const std::size_t at = line.find(kProfile);

@@ -92,7 +92,7 @@ void on_offer_made(GstPromise* promise, gpointer data) {
   gst_webrtc_session_description_free(offer);
 }
 
-/// The local description has its candidate now.
+/// Called when the local description has its candidate.
 void on_gathered(GstElement* peer, GParamSpec*, gpointer data) {
   WebrtcListener& listener = *static_cast<Call*>(data)->listener;
   GstWebRTCICEGatheringState state = GST_WEBRTC_ICE_GATHERING_STATE_NEW;
@@ -117,7 +117,7 @@ void on_connection(GstElement* peer, GParamSpec*, gpointer data) {
     static_cast<Call*>(data)->listener->fail("the browser has ended it");
 }
 
-/// One address, UDP alone.
+/// Restricts the peer to one address and UDP.
 Result<void> set_address(GstElement* peer, const std::string& address) {
   GObject *ice = nullptr, *agent = nullptr;
   gboolean fine = FALSE;
@@ -227,7 +227,7 @@ std::optional<std::uint32_t> WebrtcPeer::put(ImageView<const Rgb8> picture, Host
   if (!graph_->first) graph_->first = now;
   const Duration at = std::max(now - *graph_->first, graph_->last + Duration(1));
   constexpr Duration kLeast = std::chrono::milliseconds(10), kMost = std::chrono::seconds(1);
-  // The encoder's rate of bits goes by it.
+  // The encoder controls its bit rate by the duration.
   GST_BUFFER_DURATION(buffer) =
       static_cast<GstClockTime>(std::clamp(at - graph_->last, kLeast, kMost).count());
   GST_BUFFER_PTS(buffer) = static_cast<GstClockTime>(at.count());

@@ -15,7 +15,7 @@ std::string event(nlohmann::json data) {
   return to_text({{"type", "event"}, {"data", std::move(data)}});
 }
 
-/// An IPv4 address that an IPv6 socket has taken is that address.
+/// Text of an address; an IPv4 address that is mapped to IPv6 is written as IPv4.
 std::string address_text(const boost::asio::ip::address& address) {
   namespace ip = boost::asio::ip;
   if (address.is_v6() && address.to_v6().is_v4_mapped())

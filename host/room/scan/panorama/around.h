@@ -12,7 +12,7 @@
 
 namespace mixrig::model {
 
-/// Columns go around, rows end at the poles.
+/// Pixels around a position, and its place between them. Columns go around, rows end at the poles.
 struct Around {
   Around(Size size, const Eigen::Vector2d& at) {
     const double left = std::floor(at.x()), top = std::floor(at.y());

@@ -22,9 +22,9 @@ using Eigen::Vector3d;
 constexpr double kMostMedianTurn_rad = 0.5 * kDeg;  ///< of a unit whose depth camera is right
 constexpr int kPointsOfView = 3000;                 ///< at most, on a grid
 constexpr std::size_t kSamplesOfView = 6000;        ///< at most: points that other views see
-constexpr int kBlock_px = 16;                       ///< held out together
+constexpr int kBlock_px = 16;                       ///< side of blocks that are held out whole
 constexpr int kNormal_px = 4;                       ///< reach of a surface's normal
-constexpr double kOther_m = 0.15;                   ///< further away is another surface
+constexpr double kOther_m = 0.15;                   ///< a point farther off is another surface
 constexpr double kColorNoise = 2;                   ///< bytes of sRGB
 constexpr double kColorShift_px = 0.4;              ///< of a level: what resampling may shift
 constexpr double kDepthFloor_m = 1e-3;
@@ -32,7 +32,7 @@ constexpr double kCauchy = 2;                   ///< sigmas at which a residual 
 constexpr double kUnitSigma_rad = 0.02 * kDeg;  ///< of the prior on turns
 constexpr int kFinest = 2;                      ///< pixels of the plate a pixel of the last level
 constexpr int kStepsOfLevel = 4;
-constexpr double kLeastGain = 0.05;  ///< of the held-out error
+constexpr double kLeastGain = 0.05;  ///< least share by which a turn lowers the held-out error
 
 /// Unit ray of a pixel; zero where the lens has none.
 struct UnitRay {
@@ -192,7 +192,7 @@ bool is_inside(Size size, const Vector2d& px, int reach) {
          px.y() <= size.height - 1 - reach;
 }
 
-/// Leaves evenly spaced ones.
+/// Keeps at most kSamplesOfView samples, evenly spaced.
 void thin_out(std::vector<AlignSample>& samples) {
   const std::size_t every = samples.size() / kSamplesOfView + 1;
   std::size_t kept = 0;
@@ -227,7 +227,7 @@ void Aligner::find_samples_of(std::size_t from) {
   thin_out(samples_[from]);
 }
 
-/// Point to plane, with the plane of the other view at the point's own pixel there.
+/// Distance of a point to the plane of the other view at the point's pixel there.
 std::optional<Difference> Aligner::distance(const AlignSample& sample) const {
   const Posed& to = posed_[sample.to];
   const ScanView& other = views_[sample.to];

@@ -99,8 +99,8 @@ std::vector<Scatter> scatter_of(const Image<float>& mean_m, const Image<float>& 
   return all;
 }
 
-/// From the darker and the brighter half of the pixels; zero where all amplitudes are alike: there
-/// are none.
+/// Estimates the noise from the darker and the brighter half of the pixels; zero for fewer than 100
+/// pixels, or where the amplitudes hardly differ: the camera has none.
 LightNoise noise_of(std::vector<Scatter> all) {
   constexpr double kMedianOfNoise = 0.6745;
   if (all.size() < 100) return {};

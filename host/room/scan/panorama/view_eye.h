@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Answers what colour a view of a sweep sees at a point. Private to this module.
+// Finds where a view of a sweep sees a point, and whether something hides it. Private to this
+// module.
 #pragma once
 
 #include <optional>
@@ -11,7 +12,7 @@ namespace mixrig::model {
 /// Weight of a view's colour where its depth camera measured nothing.
 inline constexpr float kUnmeasured = 1e-3F;
 
-/// Keeps pointers to view and cameras. Thread-safe after construction.
+/// Keeps pointers to the view and the cameras, which must outlive it. Thread-safe.
 class ViewEye {
  public:
   ViewEye(const ScanView& view, const geometry::CameraModel& tof,

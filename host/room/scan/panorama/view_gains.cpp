@@ -23,14 +23,14 @@ constexpr int kColumns = 320;    ///< places around the horizon
 constexpr int kPatch_px = 2;     ///< to either side: what a place's colour is averaged over
 constexpr int kSaturated = 250;  ///< of 255
 constexpr float kDark = 0.004F;  ///< linear; noise would count
-constexpr float kTexture =
-    0.15F;  ///< standard deviation over mean: a hundredth of a degree would count
-constexpr int kLeastPairs = 200;      ///< fewer say nothing of a lens
-constexpr int kHeldOut = 3;           ///< each third place
-constexpr int kGainRounds = 6;        ///< of robust weights
+/// Largest standard deviation over mean; beyond it a hundredth of a degree would count.
+constexpr float kTexture = 0.15F;
+constexpr int kLeastPairs = 200;      ///< fewer do not determine a vignetting
+constexpr int kHeldOut = 3;           ///< every third place is held out
+constexpr int kGainRounds = 6;        ///< rounds of robust weights
 constexpr double kLeastSigma = 5e-3;  ///< of a logarithm: half a step of sRGB in the dark
-constexpr double kGainSigma = 0.3, kLensSigma = 0.5;  ///< before anything is seen
-constexpr double kWorthwhile = 0.95;                  ///< of the held-out error
+constexpr double kGainSigma = 0.3, kLensSigma = 0.5;  ///< priors of gains, and of a and b
+constexpr double kWorthwhile = 0.95;                  ///< largest held-out error over that before
 constexpr double kSigmaOfMedian = 1.4826;
 
 /// Colour of a place in one view.

@@ -52,7 +52,7 @@ std::map<Exposures, std::vector<float>> log_ratios(std::span<const ScanView> vie
   return of;
 }
 
-/// `to`, one step away from `from` in the chain.
+/// Measures `to`, which is one step away from `from` in the chain.
 void measure_step(const FoundExposure& from, std::vector<float>& logs, FoundExposure& to) {
   const double nominal = to.nominal / from.nominal;
   if (logs.size() >= kLeastSamples) {

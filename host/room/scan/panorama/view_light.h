@@ -14,7 +14,7 @@ struct FoundExposure {
   double nominal = 1, measured = 1;
   int views = 0;
   std::size_t samples = 0;  ///< pixels that measured it; 0: too few, taken from the other exposures
-  bool used = true;         ///< false: the camera did not set it
+  bool used = true;         ///< false: the camera did not set it, or one before it in the chain
 };
 
 /// Measures the light of each nominal exposure relative to the plates': the median ratio of pixels

@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 constexpr int kFaceGrain = 16;
 constexpr double kMargin_px = 2.5;  ///< of depth, past the border of the cube's face
 
-/// Ahead, left, back, right, up, down; columns of the rotation are the face's axes.
+/// Faces ahead, left, back, right, up and down; columns of the rotation are the face's axes.
 std::vector<geometry::Pose> cube() {
   const auto face = [](const Vector3d& ahead, const Vector3d& down) {
     Eigen::Matrix3d axes;
