@@ -163,8 +163,8 @@ FloatLanes counted(std::index_sequence<i...>) {
 }
 }  // namespace detail
 
-/// Of the values of a and then b: the one at kFirst and every kStep-th after it, as far as they go;
-/// later lanes are unspecified.
+/// Takes the value at kFirst and every kStep-th one after it from the values of a followed by those
+/// of b. Lanes beyond the last such value are unspecified.
 template <int kStep, int kFirst, typename V>
 V every(V a, V b) {
   return detail::every<kStep, kFirst>(a, b, std::make_index_sequence<kLanes>{});

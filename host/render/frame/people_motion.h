@@ -60,7 +60,7 @@ class ClusterMotion {
   Image<std::uint8_t> label_, spread_, next_spread_;
   Image<glm::vec2> motion_;
   std::vector<Place> cluster_;  ///< cells of the current cluster
-  /// Of each cell, for each shift; last: number of samples.
+  /// Cost of each shift of each cell; the last element is the number of samples.
   std::vector<std::array<float, kLocal * kLocal + 1>> costs_;
 };
 

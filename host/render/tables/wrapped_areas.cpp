@@ -135,7 +135,7 @@ class Areas {
       return std::nullopt;
     return plane_behind(edge.behind);
   }
-  /// Of all known pixels.
+  /// Returns the median noise of all known pixels.
   float find_median_noise() const {
     std::vector<float> all;
     for (int y = 0; y < size_.height; ++y)

@@ -87,7 +87,7 @@ Result<void> prepare_background(Session& session, const ProgressFn& progress);
 Result<render::CompositorSetup> setup_of(const capture::SourceInfo& info,
                                          std::optional<Size> view_size);
 
-/// The same field of view on another grid of pixels.
+/// Returns a view with the field of view of `view` on a grid of `size` pixels.
 geometry::Pinhole resized(const geometry::Pinhole& view, Size size);
 
 }  // namespace mixrig::session

@@ -77,7 +77,7 @@ class RunSinks {
   std::vector<const output::StreamSink*> stream_sinks_;  ///< those in sinks_
   output::SinkThread* files_ = nullptr;  ///< one of sinks_; null without an output folder
   output::SinkThread* sheet_ = nullptr;  ///< one of sinks_; null without an output folder
-  /// Those of sinks_ that belong to the mover's extra.
+  /// The elements of sinks_ that belong to the mover's extra.
   std::vector<output::SinkThread*> before_moves_;
   bool sheet_has_rows_ = false;
   bool recording_ = true;

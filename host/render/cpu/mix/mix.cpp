@@ -87,7 +87,7 @@ Rgbx16 to_linear16(const glm::vec3& linear) {
 
 F4 to_float4(Rgbx16 p) { return __builtin_convertvector(std::bit_cast<U16x4>(p), F4); }
 
-/// The same as virtual_color(), as a vector.
+/// virtual_color() as a vector.
 F4 virtual_color4(const MixInput& input, int x, int y) {
   if (input.grain != nullptr || input.tone.bends) {
     const glm::vec3 c = virtual_color(input, x, y);

@@ -34,7 +34,7 @@ struct QuadBatch {
   /// Adds a quad by its four corners in order around. Precondition: not full.
   void push(const std::array<Vertex, 4>& corners);
 
-  /// Of corners 0 to 3. A quad whose u are all negative is not drawn.
+  /// Rows hold corners 0 to 3 of the quads. A quad whose u are all negative is not drawn.
   alignas(64) std::array<Row, 4> u_px, v_px, w;
   int count = 0;
 };
