@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The depth filters of Cortes Reina (2015, section 2.3.3): a window around each pixel. They are compared with
-// the compositor's own correction (docs/method/depth.md), not part of it.
+// The depth filters of Cortes Reina (2015, section 2.3.3): a window around each pixel. They are
+// compared with the compositor's own correction (docs/method/depth.md), not part of it.
 #pragma once
 
 #include "hal/base/image.h"
