@@ -50,17 +50,19 @@ Room to_room(vec3 p, vec3 b, float spread, float darkest) {
   return Room(dot(off, off) / variance + dark * dark, variance, is_brighter || is_other);
 }
 
-// By the learned light or, where that is nearer, by the light found around.
+// By the learned light or, where that is nearer to the plate, by the light found around.
 Room to_learned(vec3 p, vec3 known, float sigma, ivec2 block) {
   vec3 b = min(shown_now(known), 1.0);
-  Room now = to_room(p, b, gain.g * sigma, deepest_shadow);
-  if (!is_still) return now;
-  vec3 lit_b = texelFetch(light, block, 0).rgb * b;
-  // The darkest shadow is relative to the learned light.
-  float darkest = min(deepest_shadow * luminance(b) / max(luminance(lit_b), 1e-4), 1.0);
-  Room lit = to_room(p, lit_b, gain.g * sigma, darkest);
-  if (lit.square < now.square) return lit;
-  return now;
+  float darkest = deepest_shadow;
+  if (is_still) {
+    vec3 lit = texelFetch(light, block, 0).rgb * b;
+    if (dot(p - lit, p - lit) < dot(p - b, p - b)) {
+      // The darkest shadow is relative to the learned light.
+      darkest = min(deepest_shadow * luminance(b) / max(luminance(lit), 1e-4), 1.0);
+      b = lit;
+    }
+  }
+  return to_room(p, b, gain.g * sigma, darkest);
 }
 
 void main() {

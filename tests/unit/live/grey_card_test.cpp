@@ -190,7 +190,7 @@ TEST_F(CardChecks, TheAreaIsTheCardsAndHasToLieInThePicture) {
 
 TEST_F(CardChecks, ACameraThatDoesNotFollowIsNamedAndPutBack) {
   camera_.deaf = true;
-  EXPECT_NE(run("transfer").advice.find("does not follow"), std::string::npos);
+  EXPECT_NE(run("transfer").advice.find("does not change with the exposure"), std::string::npos);
   camera_.deaf = false, camera_.refuses = true;
   EXPECT_NE(run("transfer").advice.find("refused"), std::string::npos);
   EXPECT_EQ(camera_.told_s, kCardRest_s);

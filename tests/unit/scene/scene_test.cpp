@@ -311,7 +311,7 @@ TEST(Scene, ReportsEachWrongValueWithLineAndKey) {
       {"[1, 25]", "[25, 1]",
        "s/scene.toml:5: key \"background.learn\": must be the first and the last frame"},
       {"[1, 25]", "[1, 2.5]", "key \"background.learn\""},
-      {"learn = [1, 25]", "", "give learn or model"},
+      {"learn = [1, 25]", "", "give learn, model"},
       {"position_m = [2.0, 2.5, 0.0]", "", "key \"object.position_m\": missing"},
       {"position_m = [2.0, 2.5, 0.0]", "position_m = [2.0, nan, 0.0]",
        "s/scene.toml:9: key \"object.position_m\": nan is out of range"},

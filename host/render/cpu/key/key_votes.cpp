@@ -50,23 +50,24 @@ RoomDistance to_room(const KeyInput& input, const ColorLanes& p, const ColorLane
   return {dot(d, d) / variance + dark * dark, variance, most};
 }
 
-/// By the learned light or, where that is nearer, by the light found around.
+/// By the learned light or, where that is nearer to the plate, by the light found around.
 RoomDistance to_learned(const KeyInput& input, const ColorLanes& p, const ColorLanes& learned,
                         const ColorLanes& here, FloatLanes sigma) {
-  const ColorLanes b = shown_now(input.tone, learned);
-  const FloatLanes spread = input.tone.gain.g * sigma;
-  RoomDistance room = to_room(input, p, b, spread, FloatLanes{} + kDeepestShadow);
+  ColorLanes b = shown_now(input.tone, learned);
+  FloatLanes darkest = FloatLanes{} + kDeepestShadow;
   if (input.finds_light()) {
-    const ColorLanes lit_b{here.r * b.r, here.g * b.g, here.b * b.b};
+    const ColorLanes lit{here.r * b.r, here.g * b.g, here.b * b.b};
+    const ColorLanes off{p.r - b.r, p.g - b.g, p.b - b.b};
+    const ColorLanes off_lit{p.r - lit.r, p.g - lit.g, p.b - lit.b};
+    const IntLanes nearer = dot(off_lit, off_lit) < dot(off, off);
     // The darkest shadow is relative to the learned light.
-    const FloatLanes darkest =
-        min(kDeepestShadow * luminance(b) / max(luminance(lit_b), FloatLanes{} + 1e-4F),
-            FloatLanes{} + 1);
-    const RoomDistance lit = to_room(input, p, lit_b, spread, darkest);
-    const IntLanes nearer = lit.square < room.square;
-    room = {nearer ? lit.square : room.square, nearer ? lit.variance : room.variance,
-            nearer ? lit.most : room.most};
+    const FloatLanes least = kDeepestShadow * luminance(b);
+    const FloatLanes of_lit =
+        min(least / max(luminance(lit), FloatLanes{} + 1e-4F), FloatLanes{} + 1);
+    darkest = nearer ? of_lit : darkest;
+    b = {nearer ? lit.r : b.r, nearer ? lit.g : b.g, nearer ? lit.b : b.b};
   }
+  RoomDistance room = to_room(input, p, b, input.tone.gain.g * sigma, darkest);
   room.most = learned.r < 0 ? FloatLanes{} : room.most;  // an unknown colour does not vote
   return room;
 }
