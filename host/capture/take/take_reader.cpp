@@ -18,6 +18,7 @@
 #include "host/capture/take/streams/picture_files.h"
 #include "host/capture/take/streams/raw_depth.h"
 #include "host/capture/take/streams/stored_stream.h"
+#include "host/capture/take/tell_once.h"
 #include "host/capture/take/trajectory.h"
 #include "host/capture/take/tum_folder.h"
 #include "host/math/config/table.h"
@@ -83,7 +84,11 @@ Result<TumLists> TakeReader::State::read_lists() {
        {std::pair(&info().color, &lists.color), std::pair(&info().depth, &lists.depth)}) {
     const fs::path path = info().root / stream->path;
     MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxListBytes));
-    MIXRIG_ASSIGN(*files, parse_file_list(text, path.string()));
+    MIXRIG_ASSIGN(FileList list, parse_file_list(text, path.string()));
+    if (!list.guessed_unit.empty())
+      tell_once(path.string() + ": times are read as " + list.guessed_unit +
+                ", by their size: write seconds to be sure");
+    *files = std::move(list.files);
     stream->count = static_cast<int>(files->size());
   }
   return lists;
