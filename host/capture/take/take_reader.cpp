@@ -13,6 +13,7 @@
 #include "host/capture/capture/pose_source.h"
 #include "host/capture/take/frame_tables.h"
 #include "host/capture/take/manifest.h"
+#include "host/capture/take/streams/depth_check.h"
 #include "host/capture/take/streams/depth_steps.h"
 #include "host/capture/take/streams/fisheye_stream.h"
 #include "host/capture/take/streams/picture_files.h"
@@ -62,6 +63,7 @@ struct TakeReader::State {
   std::map<int, capture::TrueLens> true_lens;              ///< by frame number, where known
   std::shared_ptr<const capture::RigCameras> cameras;
   Image<std::uint16_t> steps;  ///< reused from frame to frame
+  DepthCheck depth_check{""}, depth2_check{""};
 
   TakeInfo& info() { return manifest.info; }
   Result<void> open_streams();
@@ -74,7 +76,11 @@ struct TakeReader::State {
   void describe(int number, capture::Capture& capture) const;
   Result<void> read_steps(PictureStream& stream, int index, const Steps& meaning,
                           Image<float>& out);
+  Result<void> read_depth(int index, Image<float>& out);
   Result<void> read_second_depth(int index, capture::DepthPicture& out);
+  template <typename T>
+  Result<void> check_size(const Image<T>& image, Size wanted, const std::string& name,
+                          const char* table) const;
   fs::path truth_file(const char* what, int number) const;
 };
 
@@ -97,18 +103,19 @@ Result<TumLists> TakeReader::State::read_lists() {
 Result<void> TakeReader::State::open_streams() {
   if (is_list(info().color)) {
     MIXRIG_ASSIGN(const TumLists lists, read_lists());
-    const auto stream_of = [root = info().root](std::vector<StampedFile> files) {
-      return std::make_unique<PictureFiles>([root, files = std::move(files)](int index) {
+    const auto stream_of = [root = info().root](std::vector<StampedFile> files, bool is_depth) {
+      const auto path_of = [root, files = std::move(files)](int index) {
         return root / files[static_cast<std::size_t>(index)].path;
-      });
+      };
+      return std::make_unique<PictureFiles>(path_of, is_depth);
     };
-    color = stream_of(lists.color);
-    depth = stream_of(lists.depth);
+    color = stream_of(lists.color, false);
+    depth = stream_of(lists.depth, true);
     return index_lists(lists);
   }
   MIXRIG_ASSIGN(color, open_stored(info().root, info().color, PixelKind::kRgb8));
   if (info().raw_depth.empty()) {
-    MIXRIG_ASSIGN(depth, open_stored(info().root, info().depth, PixelKind::kGray16));
+    MIXRIG_ASSIGN(depth, open_depth(info().root, info().depth));
   } else {
     MIXRIG_ASSIGN(RawDepth frames_of, RawDepth::open(info().root, info().depth));
     raw = std::make_unique<RawDepth>(std::move(frames_of));
@@ -117,7 +124,7 @@ Result<void> TakeReader::State::open_streams() {
     MIXRIG_ASSIGN(amplitude, open_stored(info().root, *info().amplitude, PixelKind::kGray16));
   }
   if (info().depth2) {
-    MIXRIG_ASSIGN(depth2, open_stored(info().root, info().depth2->depth, PixelKind::kGray16));
+    MIXRIG_ASSIGN(depth2, open_depth(info().root, info().depth2->depth));
     if (const auto& lit = info().depth2->amplitude) {
       MIXRIG_ASSIGN(amplitude2, open_stored(info().root, *lit, PixelKind::kGray16));
     }
@@ -276,27 +283,46 @@ Result<Manifest> open_manifest(const fs::path& path) {
   return parse_manifest(text, file);
 }
 
+}  // namespace
+
 template <typename T>
-Result<void> check_size(const Image<T>& image, Size wanted, const std::string& name,
-                        const char* table) {
+Result<void> TakeReader::State::check_size(const Image<T>& image, Size wanted,
+                                           const std::string& name, const char* table) const {
   if (image.size() == wanted) return {};
   const auto size_text = [](Size s) {
     return std::to_string(s.width) + "x" + std::to_string(s.height);
   };
-  return Error{ErrorCode::kData, "picture '" + name + "' is " + size_text(image.size()) + " but [" +
-                                     table + "] size_px is " + size_text(wanted) +
+  const std::string is = "picture '" + name + "' is " + size_text(image.size());
+  if (manifest.without_tables)
+    return Error{ErrorCode::kData, is + ", the assumed camera " + size_text(wanted) + ": '" +
+                                       manifest.info.path.string() +
+                                       "' has no take.toml: write one with [target], [tof] and "
+                                       "[target_from_tof]"};
+  return Error{ErrorCode::kData, is + " but [" + table + "] size_px is " + size_text(wanted) +
                                      ": correct one of them"};
 }
 
-}  // namespace
-
 Result<void> TakeReader::State::read_second_depth(int index, capture::DepthPicture& out) {
   const Size size = info().tof2->model.size_px();
-  MIXRIG_TRY(read_steps(*depth2, index, depth_steps(*info().tof2), out.depth_m));
+  const Steps meaning = depth_steps(*info().tof2, manifest.further_unknown2);
+  MIXRIG_TRY(read_steps(*depth2, index, meaning, out.depth_m));
+  if (depth2_check.wants_more() && !depth2->holds_float())
+    depth2_check.look(steps, meaning, out.depth_m);
   MIXRIG_TRY(check_size(out.depth_m, size, depth2->name(index), "tof2"));
   if (!amplitude2) return {};
   MIXRIG_TRY(read_steps(*amplitude2, index, {}, out.amplitude));
   return check_size(out.amplitude, size, amplitude2->name(index), "tof2");
+}
+
+Result<void> TakeReader::State::read_depth(int index, Image<float>& out) {
+  const Steps meaning = depth_steps(info(), manifest.further_unknown);
+  MIXRIG_TRY(read_steps(*depth, index, meaning, out));
+  if (!depth_check.wants_more()) return {};
+  if (depth->holds_float())
+    depth_check.look(out);
+  else
+    depth_check.look(steps, meaning, out);
+  return {};
 }
 
 TakeReader::TakeReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -330,6 +356,8 @@ Result<TakeReader> TakeReader::open(const fs::path& path) {
   info.moves = std::any_of(state->frames.begin(), state->frames.end(), [&](const FrameIndex& f) {
     return capture::moved(first, f.world_from_target);
   });
+  state->depth_check = DepthCheck(path.string() + ": [depth]");
+  state->depth2_check = DepthCheck(path.string() + ": [depth2]");
   const int longest = std::max(info.color.count, info.depth.count);
   if (longest > info.frames)
     log_warning("take", path.string() + ": " + std::to_string(longest - info.frames) +
@@ -349,13 +377,14 @@ Result<void> TakeReader::read(int number, capture::Capture& frame) {
   const FrameIndex& index = s.frames[static_cast<std::size_t>(number - 1)];
   s.describe(number, frame);
   MIXRIG_TRY(s.color->read(index.color, frame.plate));
-  MIXRIG_TRY(check_size(frame.plate, info.target.size_px(), s.color->name(index.color), "target"));
+  MIXRIG_TRY(
+      s.check_size(frame.plate, info.target.size_px(), s.color->name(index.color), "target"));
   if (s.raw)
     MIXRIG_TRY(s.raw->read(index.depth, frame.depth_m, frame.amplitude));
   else
-    MIXRIG_TRY(s.read_steps(*s.depth, index.depth, depth_steps(info), frame.depth_m));
-  MIXRIG_TRY(check_size(frame.depth_m, info.tof.size_px(),
-                        s.raw ? s.raw->name(index.depth) : s.depth->name(index.depth), "tof"));
+    MIXRIG_TRY(s.read_depth(index.depth, frame.depth_m));
+  MIXRIG_TRY(s.check_size(frame.depth_m, info.tof.size_px(),
+                          s.raw ? s.raw->name(index.depth) : s.depth->name(index.depth), "tof"));
   if (s.fisheye)
     MIXRIG_TRY(s.fisheye->read(frame));
   else
@@ -363,7 +392,7 @@ Result<void> TakeReader::read(int number, capture::Capture& frame) {
   if (s.depth2) MIXRIG_TRY(s.read_second_depth(index.depth, frame.depth2));
   if (!s.amplitude) return {};
   MIXRIG_TRY(s.read_steps(*s.amplitude, index.depth, {}, frame.amplitude));
-  return check_size(frame.amplitude, info.tof.size_px(), s.amplitude->name(index.depth), "tof");
+  return s.check_size(frame.amplitude, info.tof.size_px(), s.amplitude->name(index.depth), "tof");
 }
 
 Result<void> TakeReader::read_truth(int number, capture::Truth& truth) {
@@ -382,19 +411,19 @@ Result<void> TakeReader::read_truth(int number, capture::Truth& truth) {
   const auto read_scaled = [&](const char* what, double unit, Image<float>& out) -> Result<void> {
     PictureFiles stream([&](int) { return s.truth_file(what, file); });
     MIXRIG_TRY(s.read_steps(stream, 0, {.unit = unit}, out));
-    return check_size(out, info.target.size_px(), stream.name(0), "target");
+    return s.check_size(out, info.target.size_px(), stream.name(0), "target");
   };
   MIXRIG_TRY(read_scaled("depth", info.truth_depth_unit_m, truth.depth_m));
   MIXRIG_TRY(read_scaled("light", 1.0 / 65535.0, truth.light));
   MIXRIG_TRY(image_io::read_gray8(s.truth_file("matte", file), truth.matte));
-  MIXRIG_TRY(check_size(truth.matte, info.target.size_px(), s.truth_file("matte", file).string(),
-                        "target"));
+  MIXRIG_TRY(s.check_size(truth.matte, info.target.size_px(), s.truth_file("matte", file).string(),
+                          "target"));
   MIXRIG_TRY(image_io::read_rgb8(s.truth_file("composite", file), truth.composite));
-  MIXRIG_TRY(check_size(truth.composite, info.target.size_px(),
-                        s.truth_file("composite", file).string(), "target"));
+  MIXRIG_TRY(s.check_size(truth.composite, info.target.size_px(),
+                          s.truth_file("composite", file).string(), "target"));
   MIXRIG_TRY(image_io::read_gray8(s.truth_file("labels", file), truth.labels));
-  return check_size(truth.labels, info.target.size_px(), s.truth_file("labels", file).string(),
-                    "target");
+  return s.check_size(truth.labels, info.target.size_px(), s.truth_file("labels", file).string(),
+                      "target");
 }
 
 }  // namespace mixrig::take

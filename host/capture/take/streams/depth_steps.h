@@ -2,25 +2,42 @@
 // Depth and amplitude as 16-bit steps. Private to this module.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <span>
 
 #include "hal/base/image.h"
 #include "host/capture/take/take.h"
 
 namespace mixrig::take {
 
+inline constexpr std::size_t kMostUnknownSteps = 4;
+
 /// What a 16-bit step of a stream means: value = offset + step * unit.
 struct Steps {
   double unit = 1, offset = 0;
-  int unknown = 0;  ///< step that means no value, which is 0
+  /// Steps that mean no value, which is 0; the first one is written. -1: no further one.
+  std::array<int, kMostUnknownSteps> unknown{0, -1, -1, -1};
+  bool is_unknown(int step) const {
+    return std::find(unknown.begin(), unknown.end(), step) != unknown.end();
+  }
 };
 
-inline Steps depth_steps(const TakeInfo& info) {
-  return {info.depth_unit_m, info.depth_offset_m, info.depth_unknown};
+/// `further` are those of the file beside info.depth_unknown.
+inline Steps depth_steps(const TakeInfo& info, std::span<const int> further = {}) {
+  Steps steps{info.depth_unit_m, info.depth_offset_m, {info.depth_unknown, -1, -1, -1}};
+  std::copy_n(further.begin(), std::min(further.size(), kMostUnknownSteps - 1),
+              steps.unknown.begin() + 1);
+  return steps;
 }
 
-inline Steps depth_steps(const capture::SecondDepthCamera& camera) {
-  return {camera.unit_m, camera.offset_m, camera.unknown};
+inline Steps depth_steps(const capture::SecondDepthCamera& camera,
+                         std::span<const int> further = {}) {
+  Steps steps{camera.unit_m, camera.offset_m, {camera.unknown, -1, -1, -1}};
+  std::copy_n(further.begin(), std::min(further.size(), kMostUnknownSteps - 1),
+              steps.unknown.begin() + 1);
+  return steps;
 }
 
 /// Floats in steps, rounded; not finite, not positive or out of range becomes unknown. Reuses the
