@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "hal/base/log.h"
 #include "host/capture/capture/fisheye.h"
 #include "host/capture/capture/pose_source.h"
+#include "host/capture/take/frame_pairs.h"
 #include "host/capture/take/frame_tables.h"
 #include "host/capture/take/manifest.h"
 #include "host/capture/take/streams/depth_check.h"
@@ -39,8 +39,9 @@ constexpr double kMaxPoseGap_s = 0.1;
 
 /// Index of each part of a frame in its stream.
 struct FrameIndex {
-  int color = 0, depth = 0;
+  int color = 0, depth = 0, depth2 = 0;
   double time_s = 0;
+  double depth_after_s = 0, depth2_after_s = 0;  ///< mid-exposures after that of colour
   geometry::Pose world_from_target;
 };
 
@@ -68,6 +69,7 @@ struct TakeReader::State {
   TakeInfo& info() { return manifest.info; }
   Result<void> open_streams();
   Result<TumLists> read_lists();
+  std::vector<PicturePair> pair(StreamInfo stream, const StreamInfo* amplitudes);
   Result<void> index_numbered();
   Result<void> index_lists(const TumLists& lists);
   Result<std::vector<StampedPose>> read_poses();
@@ -192,11 +194,11 @@ void TakeReader::State::describe(int number, capture::Capture& capture) const {
     capture.tick = known->second.tick;
     capture.mid_exposure = known->second.mid_exposure;
   }
-  const auto exposed = [&](const StreamInfo& stream) {
-    return capture.mid_exposure + Duration(std::llround(1e9 * stream.delay_s));
+  const auto exposed = [&](double after_s) {
+    return capture.mid_exposure + Duration(std::llround(1e9 * after_s));
   };
-  capture.depth_mid_exposure = exposed(manifest.info.depth);
-  if (depth2) capture.depth2.mid_exposure = exposed(manifest.info.depth2->depth);
+  capture.depth_mid_exposure = exposed(index.depth_after_s);
+  if (depth2) capture.depth2.mid_exposure = exposed(index.depth2_after_s);
   capture.pan_tilt.reset();
   const auto angles = pan_tilt.find(number);
   if (angles != pan_tilt.end()) capture.pan_tilt = angles->second;
@@ -216,24 +218,43 @@ void TakeReader::State::describe(int number, capture::Capture& capture) const {
                        angles != pan_tilt.end() ? StreamStatus::kFresh : StreamStatus::kMissing);
 }
 
+/// Frames of a recording by mixrig are those of their numbers, whatever their rates.
+std::vector<PicturePair> TakeReader::State::pair(StreamInfo stream, const StreamInfo* amplitudes) {
+  std::error_code error;
+  const bool recorded = fs::exists(info().root / kTicksTable, error);
+  if (amplitudes != nullptr) stream.count = std::min(stream.count, amplitudes->count);
+  if (!recorded && rates_differ(info().color, stream))
+    tell_once(fmt::format("{}: colour at {} Hz and depth at {} Hz are paired by time",
+                          info().path.string(), info().color.rate_hz, stream.rate_hz));
+  return pair_numbered(info().color, stream, recorded);
+}
+
 Result<void> TakeReader::State::index_numbered() {
-  int count = std::min(info().color.count, info().depth.count);
-  if (info().amplitude) count = std::min(count, info().amplitude->count);
-  if (info().depth2) count = std::min(count, info().depth2->depth.count);
-  if (amplitude2) count = std::min(count, info().depth2->amplitude->count);
+  const auto pairs = pair(info().depth, info().amplitude ? &*info().amplitude : nullptr);
+  std::map<int, PicturePair> second;  // by colour
+  if (info().depth2)
+    for (const PicturePair& two :
+         pair(info().depth2->depth, amplitude2 ? &*info().depth2->amplitude : nullptr))
+      second.emplace(two.color, two);
   std::vector<StampedPose> poses;
   if (!manifest.pose_file.empty()) {
     MIXRIG_ASSIGN(poses, read_poses());
-    count = std::min(count, static_cast<int>(poses.size()));
   }
-  for (int i = 0; i < count; ++i) {
-    const double rate_hz = info().color.rate_hz;
-    FrameIndex frame{i, i, rate_hz > 0 ? i / rate_hz : 0.0,
-                     manifest.fixed_pose.value_or(geometry::Pose{})};
-    if (!poses.empty()) {
-      const StampedPose& pose = poses[static_cast<std::size_t>(i)];
-      frame.time_s = pose.time_s;
-      frame.world_from_target = pose.world_from_target;
+  const double rate_hz = info().color.rate_hz;
+  for (const PicturePair& two : pairs) {
+    FrameIndex frame;
+    frame.color = two.color, frame.depth = two.depth, frame.depth_after_s = two.depth_after_s;
+    if (info().depth2) {
+      const auto other = second.find(two.color);
+      if (other == second.end()) continue;
+      frame.depth2 = other->second.depth, frame.depth2_after_s = other->second.depth_after_s;
+    }
+    frame.time_s = rate_hz > 0 ? two.color / rate_hz : 0.0;
+    frame.world_from_target = manifest.fixed_pose.value_or(geometry::Pose{});
+    if (!manifest.pose_file.empty()) {
+      if (static_cast<std::size_t>(two.color) >= poses.size()) break;
+      const StampedPose& pose = poses[static_cast<std::size_t>(two.color)];
+      frame.time_s = pose.time_s, frame.world_from_target = pose.world_from_target;
     }
     frames.push_back(frame);
   }
@@ -248,12 +269,22 @@ Result<void> TakeReader::State::index_lists(const TumLists& lists) {
     std::sort(poses.begin(), poses.end(),
               [](const StampedPose& a, const StampedPose& b) { return a.time_s < b.time_s; });
   }
-  for (const auto& [c, d] : associate(lists.color, lists.depth, kMaxPairDifference_s)) {
+  const std::string name = (info().root / info().color.path).string();
+  for (const std::string& line : odd_stamps(lists.color, name)) tell_once(line);
+  for (const std::string& line :
+       odd_stamps(lists.depth, (info().root / info().depth.path).string()))
+    tell_once(line);
+  const auto pairs = associate(lists.color, lists.depth, kMaxPairDifference_s);
+  if (pairs.empty()) return no_pairs(lists.color, lists.depth, name, kMaxPairDifference_s);
+  for (const auto& [c, d] : pairs) {
     const double time_s = lists.color[static_cast<std::size_t>(c)].time_s;
     std::optional<geometry::Pose> pose = manifest.fixed_pose.value_or(geometry::Pose{});
     if (!manifest.pose_file.empty()) pose = pose_at(poses, time_s, kMaxPoseGap_s);
-    if (pose) frames.push_back({c, d, time_s, *pose});
+    const double after_s = info().depth.delay_s;
+    if (pose) frames.push_back({c, d, 0, time_s, after_s, 0, *pose});
   }
+  if (frames.empty())
+    return no_poses(poses, lists.color, (info().root / manifest.pose_file).string());
   return {};
 }
 
@@ -271,6 +302,13 @@ fs::path TakeReader::State::truth_file(const char* what, int number) const {
 }
 
 namespace {
+
+/// Streams of other lengths may be of other rates, which nobody told.
+std::string rate_hint(const TakeInfo& info) {
+  const bool told = info.color.rate_hz > 0 && info.depth.rate_hz > 0;
+  if (told || is_list(info.color) || info.color.count == info.depth.count) return {};
+  return ": pictures are paired by number: give color.rate_hz and depth.rate_hz if they differ";
+}
 
 Result<Manifest> open_manifest(const fs::path& path) {
   std::error_code error;
@@ -360,8 +398,8 @@ Result<TakeReader> TakeReader::open(const fs::path& path) {
   state->depth2_check = DepthCheck(path.string() + ": [depth2]");
   const int longest = std::max(info.color.count, info.depth.count);
   if (longest > info.frames)
-    log_warning("take", path.string() + ": " + std::to_string(longest - info.frames) +
-                            " frames have no partner and are left out");
+    tell_once(path.string() + ": " + std::to_string(longest - info.frames) +
+              " frames have no partner and are left out" + rate_hint(info));
   return TakeReader(std::move(state));
 }
 
@@ -389,7 +427,7 @@ Result<void> TakeReader::read(int number, capture::Capture& frame) {
     MIXRIG_TRY(s.fisheye->read(frame));
   else
     capture::clear_fisheye(frame);
-  if (s.depth2) MIXRIG_TRY(s.read_second_depth(index.depth, frame.depth2));
+  if (s.depth2) MIXRIG_TRY(s.read_second_depth(index.depth2, frame.depth2));
   if (!s.amplitude) return {};
   MIXRIG_TRY(s.read_steps(*s.amplitude, index.depth, {}, frame.amplitude));
   return s.check_size(frame.amplitude, info.tof.size_px(), s.amplitude->name(index.depth), "tof");

@@ -110,7 +110,17 @@ TEST_F(TumFolder, ATakeTomlBesideTheListsBringsItsOwnCalibration) {
 
 TEST_F(TumFolder, WithoutAnyPairItIsNoTake) {
   folder_.write("tum/depth.txt", "99 depth/a.png\n");
-  EXPECT_TRUE(test::refused(TakeReader::open(folder_ / "tum"), {}, ErrorCode::kData));
+  EXPECT_TRUE(test::refused(TakeReader::open(folder_ / "tum"),
+                            {"rgb.txt: the nearest depth picture is 88.5 s away"},
+                            ErrorCode::kFormat));
+}
+
+TEST_F(TumFolder, PosesOfAnotherTimeAreNoTake) {
+  folder_.write("tum/groundtruth.txt", "99 0 0 0 0 0 0 1\n99.1 0 0 0 0 0 0 1\n");
+  EXPECT_TRUE(test::refused(
+      TakeReader::open(folder_ / "tum"),
+      {"groundtruth.txt: no frame has a pose", "99.000 to 99.100 s", "10.000 to 10.500 s"},
+      ErrorCode::kFormat));
 }
 
 }  // namespace
