@@ -380,8 +380,8 @@ Result<TakeReader> TakeReader::open(const fs::path& path) {
   state->take_times_from_ticks();
   TakeInfo& info = state->info();
   info.rate_hz = info.color.rate_hz;
-  info.file = path;
-  info.camera_tables = {"target", "tof", "target_from_tof"};
+  if (info.file.empty()) info.file = path;
+  if (!state->manifest.without_tables) info.camera_tables = {"target", "tof", "target_from_tof"};
   if (info.tof2) info.camera_tables.insert(info.camera_tables.end(), {"tof2", "target_from_tof2"});
   state->cameras = std::make_shared<capture::RigCameras>(info);
   info.path = path;
