@@ -113,6 +113,8 @@ bool normalize(std::vector<Eigen::Vector3f>& normals) {
 Result<Mesh> read_mesh(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive,
                        const Eigen::Matrix4d& world, int uv_set) {
   Mesh mesh;
+  if (attribute(primitive, "POSITION") < 0)
+    return bad_gltf("a primitive has no positions: export it again");
   MIXRIG_ASSIGN(mesh.positions_m, read_vec3(gltf, attribute(primitive, "POSITION")));
   MIXRIG_ASSIGN(mesh.indices, read_triangles(gltf, primitive, mesh.positions_m.size()));
   if (const int normals = attribute(primitive, "NORMAL"); normals >= 0) {
