@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <map>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -16,6 +15,7 @@
 #include "host/scene/gltf/gltf_declared.h"
 #include "host/scene/gltf/gltf_file.h"
 #include "host/scene/gltf/gltf_mesh.h"
+#include "host/scene/gltf/gltf_skin.h"
 #include "host/scene/scene.h"
 
 namespace mixrig::scene {
@@ -55,17 +55,6 @@ class ModelBuilder {
     return list;
   }
 
-  static Eigen::Matrix4d local_matrix(const tinygltf::Node& node) {
-    if (node.matrix.size() == 16) return Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());
-    Eigen::Affine3d local = Eigen::Affine3d::Identity();
-    if (const auto& t = node.translation; t.size() == 3)
-      local.translate(Eigen::Vector3d(t[0], t[1], t[2]));
-    if (const auto& q = node.rotation; q.size() == 4)
-      local.rotate(Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized());
-    if (const auto& s = node.scale; s.size() == 3) local.scale(Eigen::Vector3d(s[0], s[1], s[2]));
-    return local.matrix();
-  }
-
   Result<void> add_node(int index, const Eigen::Matrix4d& parent, int depth) {
     if (index < 0 || static_cast<std::size_t>(index) >= visited_.size())
       return bad_gltf("node " + std::to_string(index) + " does not exist");
@@ -76,12 +65,20 @@ class ModelBuilder {
     const Eigen::Matrix4d world = parent * local_matrix(node);
     if (!world.allFinite())
       return bad_gltf("node " + std::to_string(index) + " has a transform that is not finite");
-    if (node.mesh >= 0) MIXRIG_TRY(add_mesh(node.mesh, world));
+    if (node.mesh >= 0) MIXRIG_TRY(add_mesh(node, world));
     for (const int child : node.children) MIXRIG_TRY(add_node(child, world, depth + 1));
     return {};
   }
 
-  Result<void> add_mesh(int index, const Eigen::Matrix4d& world) {
+  /// The place of a skinned mesh is that of its joints, whatever its node.
+  Result<void> add_mesh(const tinygltf::Node& node, const Eigen::Matrix4d& node_world) {
+    const int index = node.mesh;
+    const bool skinned = node.skin >= 0;
+    std::vector<Eigen::Matrix4d> joints;
+    if (skinned) {
+      MIXRIG_ASSIGN(joints, joint_matrices(file_.gltf, node.skin));
+    }
+    const Eigen::Matrix4d world = skinned ? Eigen::Matrix4d::Identity() : node_world;
     if (static_cast<std::size_t>(index) >= file_.gltf.meshes.size())
       return bad_gltf("mesh " + std::to_string(index) + " does not exist");
     for (const tinygltf::Primitive& primitive :
@@ -94,7 +91,7 @@ class ModelBuilder {
             " has a picture, but a mesh that uses it has no texture coordinates: unwrap "
             "it, or remove the picture");
       MIXRIG_ASSIGN(Mesh mesh,
-                    read_mesh(file_.gltf, primitive, world, uv_set));
+                    read_mesh(file_.gltf, primitive, world, uv_set, skinned ? &joints : nullptr));
       if (mesh.indices.empty()) continue;
       set_factors(material, mesh);
       MIXRIG_TRY(set_maps(material, mesh));
