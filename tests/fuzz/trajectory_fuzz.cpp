@@ -14,7 +14,7 @@ MIXRIG_FUZZ_TARGET(trajectory) {
   if (const auto poses = take::parse_trajectory(text, "p"); poses && !poses->empty())
     (void)take::pose_at(*poses, poses->front().time_s, 0.1);
   if (const auto files = take::parse_file_list(text, "f"))
-    for (const auto& [color, depth] : take::associate(*files, *files, 0.02))
+    for (const auto& [color, depth] : take::associate(files->files, files->files, 0.02))
       if (color < 0 || depth < 0) std::abort();
   return 0;
 }

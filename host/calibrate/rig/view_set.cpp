@@ -2,6 +2,7 @@
 // A folder of board views by all cameras of a rig.
 #include "host/calibrate/rig/view_set.h"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
@@ -14,6 +15,7 @@
 #include "hal/base/srgb.h"
 #include "host/calibrate/board/detect_board.h"
 #include "host/math/config/table.h"
+#include "host/math/image_io/depth_picture.h"
 #include "host/math/image_io/image_io.h"
 
 namespace mixrig::calibration {
@@ -54,6 +56,11 @@ ViewCamera read_camera(const config::Table& table) {
   if (camera.depth.empty()) return camera;
   camera.depth_unit_m = table.number("depth_unit_m", {1e-6, 1});
   camera.depth_is_z = table.one_of("depth_kind", {"distance", "z"}, 0) == 1;
+  if (table.has("depth_unknown"))
+    for (const double step : table.numbers("depth_unknown", 1, 4, {0, 65535})) {
+      if (step != std::floor(step)) table.fail("depth_unknown", "give whole steps");
+      camera.depth_unknown.push_back(static_cast<int>(step));
+    }
   return camera;
 }
 
@@ -172,13 +179,17 @@ Result<ViewPictures> load_view(const ViewSet& set, const ViewCamera& camera, int
   for (int y = 0; y < counts.height(); ++y)
     for (int x = 0; x < counts.width(); ++x) out.picture.at(x, y) = counts.at(x, y);
   const auto depth_path = file_of(set, camera.depth, view);
-  MIXRIG_TRY(image_io::read_gray16(depth_path, counts));
+  MIXRIG_TRY(image_io::read_depth16(depth_path, counts));
   MIXRIG_TRY(check_size(camera, counts.size(), depth_path));
   out.depth_m.reset(counts.size());
   out.depth_is_z = camera.depth_is_z;
   const auto unit = static_cast<float>(camera.depth_unit_m);
+  const auto& none = camera.depth_unknown;
   for (int y = 0; y < counts.height(); ++y)
-    for (int x = 0; x < counts.width(); ++x) out.depth_m.at(x, y) = unit * counts.at(x, y);
+    for (int x = 0; x < counts.width(); ++x) {
+      const bool unknown = std::find(none.begin(), none.end(), counts.at(x, y)) != none.end();
+      out.depth_m.at(x, y) = unknown ? 0.0F : unit * counts.at(x, y);
+    }
   return out;
 }
 

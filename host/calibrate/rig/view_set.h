@@ -19,7 +19,8 @@ struct ViewCamera {
   Size size_px;
   std::string images, depth;  ///< patterns with one %06d; depth is empty for colour cameras
   double depth_unit_m = 0;
-  bool depth_is_z = false;  ///< else the distance along the ray
+  std::vector<int> depth_unknown;  ///< steps without a measurement, beside 0
+  bool depth_is_z = false;         ///< else the distance along the ray
 };
 
 struct ViewSet {

@@ -2,7 +2,13 @@
 // Reading of take.toml.
 #include "host/capture/take/manifest.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
 #include "host/capture/calibration_file/tables.h"
+#include "host/capture/take/streams/depth_steps.h"
 #include "host/capture/take/streams/picture_files.h"
 #include "host/capture/take/streams/raw_depth.h"
 #include "host/math/config/table.h"
@@ -48,8 +54,29 @@ capture::DepthKind read_kind(const Table& table) {
   return static_cast<capture::DepthKind>(table.one_of("kind", {"z", "distance"}, 0));
 }
 
+/// Reads one step or up to four; returns the first and puts the others into `further`.
+int read_unknown(const Table& table, std::vector<int>& further) {
+  if (!table.has("unknown")) return 0;
+  const auto steps = table.numbers("unknown", 1, kMostUnknownSteps, {0, 65535});
+  if (std::any_of(steps.begin(), steps.end(), [](double step) { return step != std::floor(step); }))
+    table.fail("unknown", "give whole steps");
+  further.clear();
+  for (std::size_t i = 1; i < steps.size(); ++i) further.push_back(static_cast<int>(steps[i]));
+  return steps.empty() ? 0 : static_cast<int>(steps[0]);
+}
+
+/// Refuses an amplitude whose rate is not that of its depth.
+void check_amplitude_rate(const Table& table, const StreamInfo& amplitude,
+                          const StreamInfo& depth) {
+  if (amplitude.rate_hz > 0 && depth.rate_hz > 0 && amplitude.rate_hz != depth.rate_hz)
+    table.fail("rate_hz", fmt::format("{} Hz, but its depth has {} Hz: amplitudes come with depth, "
+                                      "give both the same",
+                                      amplitude.rate_hz, depth.rate_hz));
+}
+
 /// Reads [depth2], [amplitude2], [tof2] and [target_from_tof2].
-void read_second_depth(const Table& root, TakeInfo& info) {
+void read_second_depth(const Table& root, Manifest& manifest) {
+  TakeInfo& info = manifest.info;
   const Table table = root.table("depth2"), amplitude = root.table("amplitude2");
   const Table model = root.table("tof2"), pose = root.table("target_from_tof2");
   if (!table.present()) {
@@ -63,11 +90,12 @@ void read_second_depth(const Table& root, TakeInfo& info) {
   if (is_list(streams.depth)) table.fail("path", "give numbered pictures or a Matroska file");
   camera.unit_m = table.number_or("unit_m", camera.unit_m, {1e-7, 10.0});
   camera.offset_m = table.number_or("offset_m", 0, {-10.0, 10.0});
-  camera.unknown = table.integer_or("unknown", 0, {0, 65535});
+  camera.unknown = read_unknown(table, manifest.further_unknown2);
   camera.kind = read_kind(table);
   camera.noise = read_noise(table);
   if (amplitude.present()) {
     streams.amplitude = read_stream(amplitude);
+    check_amplitude_rate(amplitude, *streams.amplitude, streams.depth);
     camera.amplitude_is_light = amplitude.boolean_or("light", false);
   }
   camera.model = calibration_file::parse_pinhole(root.required_table("tof2"));
@@ -76,11 +104,12 @@ void read_second_depth(const Table& root, TakeInfo& info) {
           .target_from;
 }
 
-void read_depth(const Table& table, TakeInfo& info) {
+void read_depth(const Table& table, Manifest& manifest) {
+  TakeInfo& info = manifest.info;
   info.depth = read_stream(table);
   info.depth_unit_m = table.number_or("unit_m", info.depth_unit_m, {1e-7, 10.0});
   info.depth_offset_m = table.number_or("offset_m", 0, {-10.0, 10.0});
-  info.depth_unknown = table.integer_or("unknown", 0, {0, 65535});
+  info.depth_unknown = read_unknown(table, manifest.further_unknown);
   info.depth_kind = read_kind(table);
   if (table.has("raw")) {
     (void)table.one_of("raw", {kRawKinect2}, 0);
@@ -127,12 +156,13 @@ Result<Manifest> parse_manifest(std::string_view text, const std::filesystem::pa
     info.calibration = config::path_at(root, "calibration", path.parent_path());
   info.color = read_stream(root.required_table("color"));
   info.exposure_s = 1e-3 * root.table("color").number_or("exposure_ms", 0.0, {0.0, 1e4});
-  read_depth(root.required_table("depth"), info);
+  read_depth(root.required_table("depth"), manifest);
   if (const Table amplitude = root.table("amplitude"); amplitude.present()) {
     info.amplitude = read_stream(amplitude);
+    check_amplitude_rate(amplitude, *info.amplitude, info.depth);
     info.amplitude_is_light = amplitude.boolean_or("light", false);
   }
-  read_second_depth(root, info);
+  read_second_depth(root, manifest);
   if (const Table fisheye = root.table("fisheye"); fisheye.present()) {
     info.fisheye = read_stream(fisheye);
     if (is_list(*info.fisheye)) fisheye.fail("path", "give numbered pictures or a Matroska file");

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "host/capture/take/take.h"
 
@@ -17,6 +18,10 @@ struct Manifest {
   std::string pose_file;                     ///< empty where there is none
   std::optional<geometry::Pose> fixed_pose;  ///< world_from_target of a static camera
   std::string truth_path;                    ///< empty where there is none
+  /// Steps of depth and depth2 that mean no measurement beside the first one, which `info` has.
+  std::vector<int> further_unknown, further_unknown2;
+  bool without_tables = false;  ///< a folder without take.toml; its camera is assumed, or that of
+                                ///< info.file
 };
 
 /// Whether the stream is a list "stamp file" of a TUM folder, not numbered pictures.

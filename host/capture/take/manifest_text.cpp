@@ -28,7 +28,7 @@ Writer color_table(const TakeInfo& info) {
 
 void set_steps(const Steps& steps, capture::DepthKind kind, const geometry::DepthNoise& noise,
                Writer& table) {
-  table.set("unit_m", steps.unit).set("unknown", steps.unknown);
+  table.set("unit_m", steps.unit).set("unknown", steps.unknown[0]);
   if (steps.offset != 0) table.set("offset_m", steps.offset);
   table.set("kind", kind == capture::DepthKind::kZ ? "z" : "distance");
   table.set("noise", std::array<double, 3>{noise.floor_m, noise.linear, noise.quadratic_per_m});

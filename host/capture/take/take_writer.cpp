@@ -137,7 +137,7 @@ Result<void> TakeWriter::State::write_second_depth(const capture::DepthPicture& 
     if (image.size() == size)
       to_steps(image, meaning, steps);
     else
-      steps.reset(size, static_cast<std::uint16_t>(meaning.unknown));
+      steps.reset(size, static_cast<std::uint16_t>(meaning.unknown[0]));
     return stream.write(std::as_const(steps).view());
   };
   MIXRIG_TRY(write(picture.depth_m, depth_steps(*info.tof2), depth2));

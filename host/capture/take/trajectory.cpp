@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// TUM text files.
+// Text files of poses and of stamped pictures.
 #include "host/capture/take/trajectory.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
+
+#include "host/capture/take/tell_once.h"
+#include "host/math/geometry/pose_lines.h"
+#include "host/math/geometry/stamp_unit.h"
 
 namespace mixrig::take {
 namespace {
@@ -48,34 +51,37 @@ Result<void> each_line(std::string_view text, const std::string& name, const cha
 }  // namespace
 
 Result<std::vector<StampedPose>> parse_trajectory(std::string_view text, const std::string& name) {
+  MIXRIG_ASSIGN(const geometry::PoseLines lines, geometry::parse_pose_lines(text, name));
+  if (!lines.guessed_unit.empty())
+    tell_once(name + ": times are read as " + lines.guessed_unit +
+              ", by their size: give seconds, or a header that says the unit");
   std::vector<StampedPose> poses;
-  const auto use = [&](std::string_view line) {
-    std::array<double, 8> v{};
-    for (double& value : v) {
-      const auto number = to_number(next_word(line));
-      if (!number) return false;
-      value = *number;
-    }
-    const Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
-    if (std::abs(q.norm() - 1.0) > 0.01) return false;
-    poses.push_back({v[0], {q.normalized(), {v[1], v[2], v[3]}}});
-    return true;
-  };
-  MIXRIG_TRY(each_line(text, name, "t x y z qx qy qz qw with a unit quaternion", use));
+  poses.reserve(lines.poses.size());
+  for (const geometry::PoseLine& line : lines.poses) {
+    const bool finite = std::isfinite(line.time_s) && line.position_m.allFinite();
+    if (!finite || !(std::abs(line.rotation.norm() - 1.0) <= 0.01))
+      return Error{ErrorCode::kFormat,
+                   name + ":" + std::to_string(line.line) +
+                       ": t x y z must be finite and qx qy qz qw of length 1: correct the line"};
+    poses.push_back({line.time_s, {line.rotation.normalized(), line.position_m}});
+  }
   return poses;
 }
 
-Result<std::vector<StampedFile>> parse_file_list(std::string_view text, const std::string& name) {
-  std::vector<StampedFile> files;
+Result<FileList> parse_file_list(std::string_view text, const std::string& name) {
+  FileList list;
+  geometry::StampUnit unit;
   const auto use = [&](std::string_view line) {
-    const auto time_s = to_number(next_word(line));
+    const auto time = to_number(next_word(line));
     const std::string_view path = next_word(line);
-    if (!time_s || path.empty()) return false;
-    files.push_back({*time_s, std::string(path)});
+    if (!time || path.empty()) return false;
+    if (list.files.empty()) unit = geometry::unit_of_stamp(*time);
+    list.files.push_back({*time * unit.seconds, std::string(path)});
     return true;
   };
   MIXRIG_TRY(each_line(text, name, "a time and a file name", use));
-  return files;
+  if (unit.seconds != 1) list.guessed_unit = unit.name;
+  return list;
 }
 
 std::string trajectory_line(const StampedPose& pose) {

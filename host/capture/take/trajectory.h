@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Trajectories in TUM's text format, and lists of stamped files. Private to this module.
+// Poses of a take, and lists of stamped files. Private to this module.
 #pragma once
 
 #include <optional>
@@ -21,12 +21,17 @@ struct StampedFile {
   std::string path;
 };
 
-/// Parses lines "t x y z qx qy qz qw"; '#' starts a comment. Pure. Errors: kFormat (name:line: ...)
-/// for a line that is not eight finite numbers or a quaternion whose length differs from 1 by over
-/// 1 %.
+/// Parses poses as geometry::parse_pose_lines() does; warns where it guesses the unit of the
+/// times. Errors: kFormat (name:line: ...), also for numbers that are not finite or a quaternion
+/// whose length is off 1 by over 1 %.
 Result<std::vector<StampedPose>> parse_trajectory(std::string_view text, const std::string& name);
+
+struct FileList {
+  std::vector<StampedFile> files;
+  std::string guessed_unit;  ///< that the times were taken in by their size; empty for seconds
+};
 /// Parses lines "t file". Pure. Errors: kFormat (name:line: ...).
-Result<std::vector<StampedFile>> parse_file_list(std::string_view text, const std::string& name);
+Result<FileList> parse_file_list(std::string_view text, const std::string& name);
 
 std::string trajectory_line(const StampedPose& pose);
 

@@ -14,9 +14,12 @@ namespace mixrig::take {
 
 bool is_tum_folder(const std::filesystem::path& folder);
 
-/// Returns the manifest of a TUM folder without take.toml: ROS' default intrinsics (525, 319.5,
-/// 239.5 at 640x480, depth registered to colour), 1/5000 m, ground truth if the folder has it.
-Manifest tum_manifest(const std::filesystem::path& folder);
+/// Returns the manifest of a TUM folder without take.toml: depth registered to colour, 1/5000 m,
+/// ground truth where the folder has it. The camera is that of calibration.txt (fx fy cx cy, in one
+/// line or as a 3x3 matrix; behind four numbers k1 k2 p1 p2 [k3]) with the size of the first
+/// picture, else the nominal one of the Kinect (525, 319.5, 239.5 at 640x480). What is assumed is
+/// told in a warning. Errors: kFormat for a calibration.txt that is neither, kNotFound.
+Result<Manifest> tum_manifest(const std::filesystem::path& folder);
 
 /// Pairs colour and depth stamps and returns their indices: each at most once, closest pairs first,
 /// at most `max_difference_s` apart; sorted by colour.

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "host/math/image_io/codecs.h"
+#include "host/math/image_io/depth_picture.h"
 
 namespace mixrig::image_io {
 namespace {
@@ -69,6 +70,19 @@ Result<void> read_rgb8(const std::filesystem::path& path, Image<Rgb8>& image) {
 
 Result<void> read_gray16(const std::filesystem::path& path, Image<std::uint16_t>& image) {
   return read_gray(path, image);
+}
+
+Result<void> read_depth16(const std::filesystem::path& path, Image<std::uint16_t>& image) {
+  constexpr std::size_t kBitsAt = 24;  // of the header, which comes first (PNG, 11.2.2)
+  MIXRIG_ASSIGN(const auto bytes, read_file(path));
+  if (!is_png(bytes))
+    return bad_picture(path.string(), "not a PNG file", "use a grey PNG of 16 bits");
+  if (bytes.size() > kBitsAt && bytes[kBitsAt] <= 8)
+    return Error{ErrorCode::kFormat, "depth picture '" + path.string() + "' has " +
+                                         std::to_string(bytes[kBitsAt]) +
+                                         " bits a pixel: depth needs 16 (was it converted for "
+                                         "display?): export it again as grey PNG of 16 bits"};
+  return decode_png(bytes, path.string(), image);
 }
 
 Result<void> read_gray8(const std::filesystem::path& path, Image<std::uint8_t>& image) {

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "hal/base/recent_log.h"
 #include "host/output/report/rig_json.h"
 #include "host/run/report/error_report.h"
 #include "host/run/watchers/room_changes_report.h"
@@ -245,6 +247,13 @@ std::string times_table(const FrameReport& frames) {
   return out;
 }
 
+/// What the program has warned of, of the last lines of its log.
+void add_warnings(nlohmann::json& out) {
+  constexpr std::string_view kLevel = "warning ";
+  for (const std::string& line : recent_log_lines())
+    if (line.starts_with(kLevel)) out["warnings"].push_back(line.substr(kLevel.size()));
+}
+
 }  // namespace
 
 std::string text(const PlateReport& plates) {
@@ -285,6 +294,7 @@ nlohmann::json to_json(const RunReport& report) {
   if (report.error) out["error"] = to_json(*report.error);
   for (const BaselineErrors& b : report.baselines)
     out["baselines"][measure::name(b.baseline)] = to_json(b.errors);
+  add_warnings(out);
   return out;
 }
 

@@ -104,6 +104,42 @@ Result<std::vector<Eigen::Vector2f>> read_vec2(const tinygltf::Model& gltf, int 
   return out;
 }
 
+Result<std::vector<Eigen::Vector4f>> read_vec4(const tinygltf::Model& gltf, int accessor) {
+  MIXRIG_ASSIGN(const Elements in, elements_of(gltf, accessor, TINYGLTF_TYPE_VEC4));
+  std::vector<Eigen::Vector4f> out(in.count);
+  for (std::size_t i = 0; i < in.count; ++i)
+    for (std::size_t c = 0; c < 4; ++c) {
+      const std::uint8_t* from = in.data + i * in.stride;
+      float value = 0;
+      if (in.component_type == TINYGLTF_COMPONENT_TYPE_FLOAT)
+        value = load<float>(from + 4 * c);
+      else if (in.component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE)
+        value = static_cast<float>(from[c]) / (in.normalized ? 255.0F : 1.0F);
+      else if (in.component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT)
+        value = static_cast<float>(load<std::uint16_t>(from + 2 * c)) /
+                (in.normalized ? 65535.0F : 1.0F);
+      else
+        return bad_gltf("accessor " + std::to_string(accessor) +
+                        " has a type that joints and weights cannot have");
+      if (!(value >= 0) || !std::isfinite(value))
+        return bad_gltf("a joint or weight is negative or not finite");
+      out[i][static_cast<int>(c)] = value;
+    }
+  return out;
+}
+
+Result<std::vector<Eigen::Matrix4d>> read_mat4(const tinygltf::Model& gltf, int accessor) {
+  MIXRIG_ASSIGN(const Elements in, elements_of(gltf, accessor, TINYGLTF_TYPE_MAT4));
+  if (in.component_type != TINYGLTF_COMPONENT_TYPE_FLOAT)
+    return bad_gltf("accessor " + std::to_string(accessor) + " does not hold floats");
+  std::vector<Eigen::Matrix4d> out(in.count);
+  for (std::size_t i = 0; i < in.count; ++i)
+    for (std::size_t k = 0; k < 16; ++k)  // column by column
+      out[i](static_cast<int>(k % 4), static_cast<int>(k / 4)) =
+          static_cast<double>(load<float>(in.data + i * in.stride + 4 * k));
+  return out;
+}
+
 Result<std::vector<std::uint32_t>> read_indices(const tinygltf::Model& gltf, int accessor) {
   MIXRIG_ASSIGN(const Elements in, elements_of(gltf, accessor, TINYGLTF_TYPE_SCALAR));
   std::vector<std::uint32_t> out(in.count);

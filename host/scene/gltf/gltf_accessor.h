@@ -19,6 +19,11 @@ Result<std::span<const std::uint8_t>> view_bytes(const tinygltf::Model& gltf, in
 Result<std::vector<Eigen::Vector3f>> read_vec3(const tinygltf::Model& gltf, int accessor);
 /// Reads a VEC2 of floats, or of normalised unsigned bytes or shorts. Errors: those of read_vec3().
 Result<std::vector<Eigen::Vector2f>> read_vec2(const tinygltf::Model& gltf, int accessor);
+/// Reads a VEC4 of floats, or of unsigned bytes or shorts, normalised or whole. Errors: those of
+/// read_vec3().
+Result<std::vector<Eigen::Vector4f>> read_vec4(const tinygltf::Model& gltf, int accessor);
+/// Reads a float MAT4. Errors: those of read_vec3().
+Result<std::vector<Eigen::Matrix4d>> read_mat4(const tinygltf::Model& gltf, int accessor);
 /// Reads a SCALAR of unsigned bytes, shorts or ints. Errors: those of read_vec3().
 Result<std::vector<std::uint32_t>> read_indices(const tinygltf::Model& gltf, int accessor);
 

@@ -7,6 +7,8 @@
 #include <exception>
 #include <fstream>
 
+#include "host/scene/gltf/gltf_declared.h"
+
 namespace mixrig::scene {
 namespace fs = std::filesystem;
 namespace {
@@ -46,23 +48,13 @@ std::span<const std::uint8_t> json_of(std::span<const std::uint8_t> bytes) {
   return rest.first(std::min<std::size_t>(length, rest.size()));
 }
 
-/// Returns the file inside `folder` that a URI names; empty if it is outside or does not exist.
-fs::path resolve(const std::string& name, const fs::path& folder) {
-  std::error_code error;
-  const fs::path root = fs::weakly_canonical(folder, error);
-  const fs::path file = fs::weakly_canonical(fs::path(name), error);
-  const fs::path inside = file.lexically_relative(root);
-  if (error || inside.empty() || *inside.begin() == "..") return {};
-  return fs::is_regular_file(file, error) ? file : fs::path();
-}
-
 bool exists(const std::string& name, void* folder) {
-  return !resolve(name, *static_cast<fs::path*>(folder)).empty();
+  return !file_inside(name, *static_cast<fs::path*>(folder)).empty();
 }
 
 bool read_file(std::vector<unsigned char>* out, std::string* error, const std::string& name,
                void* folder) {
-  const fs::path path = resolve(name, *static_cast<fs::path*>(folder));
+  const fs::path path = file_inside(name, *static_cast<fs::path*>(folder));
   std::error_code size_error;
   if (path.empty() || fs::file_size(path, size_error) > kMaxFileBytes || size_error) {
     *error = "not readable";
@@ -83,8 +75,9 @@ bool keep_picture(tinygltf::Image* image, int index, std::string*, std::string*,
   return true;
 }
 
-std::string first_line(const std::string& text) {
-  return text.substr(0, std::min<std::size_t>(text.find('\n'), 300));
+/// The parser's own words name its fields, which the user does not know.
+Error damaged_gltf() {
+  return bad_gltf("is damaged: its parts do not fit together: export it again");
 }
 
 }  // namespace
@@ -94,7 +87,9 @@ Error bad_gltf(const std::string& why) { return Error{ErrorCode::kFormat, why}; 
 Result<GltfFile> parse_gltf(std::span<const std::uint8_t> bytes, const fs::path& folder) {
   if (bytes.size() > kMaxFileBytes) return bad_gltf("larger than 1 GiB");
   if (is_nested_too_deep(json_of(bytes))) return bad_gltf("its JSON is nested too deep");
+  if (is_glb(bytes) && bytes[4] != 2) return bad_gltf("is glTF 1.0: export it as glTF 2.0");
   GltfFile file;
+  MIXRIG_ASSIGN(file.without, check_declared(json_of(bytes), folder));
   fs::path root = folder;
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(keep_picture, &file.pictures);
@@ -109,9 +104,9 @@ Result<GltfFile> parse_gltf(std::span<const std::uint8_t> bytes, const fs::path&
                       : loader.LoadASCIIFromString(&file.gltf, &error, &warning,
                                                    reinterpret_cast<const char*>(bytes.data()),
                                                    size, root.string());
-    if (!parsed) return bad_gltf(error.empty() ? "not a glTF 2.0 file" : first_line(error));
-  } catch (const std::exception& e) {
-    return bad_gltf(first_line(e.what()));
+    if (!parsed) return damaged_gltf();
+  } catch (const std::exception&) {
+    return damaged_gltf();
   }
   file.pictures.resize(file.gltf.images.size());
   return file;

@@ -17,6 +17,7 @@ namespace mixrig::scene {
 struct GltfFile {
   tinygltf::Model gltf;
   std::vector<std::vector<std::uint8_t>> pictures;  ///< external ones; those in a buffer are empty
+  std::vector<std::string> without;                 ///< what it has and is drawn without, in words
 };
 
 /// Parses .gltf or .glb bytes; files that it names are read only from inside `folder`.

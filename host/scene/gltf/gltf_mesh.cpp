@@ -9,6 +9,7 @@
 #include <Eigen/LU>
 
 #include "host/scene/gltf/gltf_accessor.h"
+#include "host/scene/gltf/gltf_skin.h"
 
 namespace mixrig::scene {
 namespace {
@@ -111,8 +112,11 @@ bool normalize(std::vector<Eigen::Vector3f>& normals) {
 }  // namespace
 
 Result<Mesh> read_mesh(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive,
-                       const Eigen::Matrix4d& world, int uv_set) {
+                       const Eigen::Matrix4d& world, int uv_set,
+                       const std::vector<Eigen::Matrix4d>* joints) {
   Mesh mesh;
+  if (attribute(primitive, "POSITION") < 0)
+    return bad_gltf("a primitive has no positions: export it again");
   MIXRIG_ASSIGN(mesh.positions_m, read_vec3(gltf, attribute(primitive, "POSITION")));
   MIXRIG_ASSIGN(mesh.indices, read_triangles(gltf, primitive, mesh.positions_m.size()));
   if (const int normals = attribute(primitive, "NORMAL"); normals >= 0) {
@@ -126,6 +130,7 @@ Result<Mesh> read_mesh(const tinygltf::Model& gltf, const tinygltf::Primitive& p
   if ((!mesh.normals.empty() && mesh.normals.size() != count) ||
       (uv_set >= 0 && mesh.uv.size() != count))
     return bad_gltf("the vertex attributes of a primitive differ in length");
+  if (joints != nullptr) MIXRIG_TRY(apply_skin(gltf, primitive, *joints, mesh));
   move(mesh, object_from_gltf() * world);
   if (mesh.normals.empty() || !normalize(mesh.normals)) make_flat(mesh);
   return mesh;

@@ -5,13 +5,17 @@
 #include <algorithm>
 #include <map>
 
-#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "hal/base/log.h"
 #include "host/math/config/table.h"
 #include "host/math/image_io/image_io.h"
 #include "host/scene/gltf/gltf_accessor.h"
+#include "host/scene/gltf/gltf_declared.h"
 #include "host/scene/gltf/gltf_file.h"
 #include "host/scene/gltf/gltf_mesh.h"
+#include "host/scene/gltf/gltf_skin.h"
 #include "host/scene/scene.h"
 
 namespace mixrig::scene {
@@ -30,9 +34,6 @@ class ModelBuilder {
   explicit ModelBuilder(const GltfFile& file) : file_(file), visited_(file.gltf.nodes.size()) {}
 
   Result<Model> build() {
-    for (const std::string& name : file_.gltf.extensionsRequired)
-      if (!name.starts_with("KHR_materials_"))
-        return bad_gltf("needs the extension " + name + ": export without it");
     for (const int root : roots()) MIXRIG_TRY(add_node(root, Eigen::Matrix4d::Identity(), 0));
     if (model_.meshes.empty()) return bad_gltf("has no triangles");
     return std::move(model_);
@@ -54,17 +55,6 @@ class ModelBuilder {
     return list;
   }
 
-  static Eigen::Matrix4d local_matrix(const tinygltf::Node& node) {
-    if (node.matrix.size() == 16) return Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());
-    Eigen::Affine3d local = Eigen::Affine3d::Identity();
-    if (const auto& t = node.translation; t.size() == 3)
-      local.translate(Eigen::Vector3d(t[0], t[1], t[2]));
-    if (const auto& q = node.rotation; q.size() == 4)
-      local.rotate(Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized());
-    if (const auto& s = node.scale; s.size() == 3) local.scale(Eigen::Vector3d(s[0], s[1], s[2]));
-    return local.matrix();
-  }
-
   Result<void> add_node(int index, const Eigen::Matrix4d& parent, int depth) {
     if (index < 0 || static_cast<std::size_t>(index) >= visited_.size())
       return bad_gltf("node " + std::to_string(index) + " does not exist");
@@ -75,19 +65,33 @@ class ModelBuilder {
     const Eigen::Matrix4d world = parent * local_matrix(node);
     if (!world.allFinite())
       return bad_gltf("node " + std::to_string(index) + " has a transform that is not finite");
-    if (node.mesh >= 0) MIXRIG_TRY(add_mesh(node.mesh, world));
+    if (node.mesh >= 0) MIXRIG_TRY(add_mesh(node, world));
     for (const int child : node.children) MIXRIG_TRY(add_node(child, world, depth + 1));
     return {};
   }
 
-  Result<void> add_mesh(int index, const Eigen::Matrix4d& world) {
+  /// The place of a skinned mesh is that of its joints, whatever its node.
+  Result<void> add_mesh(const tinygltf::Node& node, const Eigen::Matrix4d& node_world) {
+    const int index = node.mesh;
+    const bool skinned = node.skin >= 0;
+    std::vector<Eigen::Matrix4d> joints;
+    if (skinned) {
+      MIXRIG_ASSIGN(joints, joint_matrices(file_.gltf, node.skin));
+    }
+    const Eigen::Matrix4d world = skinned ? Eigen::Matrix4d::Identity() : node_world;
     if (static_cast<std::size_t>(index) >= file_.gltf.meshes.size())
       return bad_gltf("mesh " + std::to_string(index) + " does not exist");
     for (const tinygltf::Primitive& primitive :
          file_.gltf.meshes[static_cast<std::size_t>(index)].primitives) {
       const tinygltf::Material material = material_of(primitive.material);
       MIXRIG_ASSIGN(const int uv_set, uv_set_of(material));
-      MIXRIG_ASSIGN(Mesh mesh, read_mesh(file_.gltf, primitive, world, uv_set));
+      if (uv_set >= 0 && primitive.attributes.count("TEXCOORD_" + std::to_string(uv_set)) == 0)
+        return bad_gltf(
+            name_of(material) +
+            " has a picture, but a mesh that uses it has no texture coordinates: unwrap "
+            "it, or remove the picture");
+      MIXRIG_ASSIGN(Mesh mesh,
+                    read_mesh(file_.gltf, primitive, world, uv_set, skinned ? &joints : nullptr));
       if (mesh.indices.empty()) continue;
       set_factors(material, mesh);
       MIXRIG_TRY(set_maps(material, mesh));
@@ -111,8 +115,12 @@ class ModelBuilder {
     if (add(pbr.baseColorTexture) && add(pbr.metallicRoughnessTexture) &&
         add(material.normalTexture) && add(material.emissiveTexture))
       return set;
-    return bad_gltf("the maps of material '" + material.name.substr(0, 100) +
-                    "' use different texture coordinates: export them with one UV map");
+    return bad_gltf("the maps of " + name_of(material) +
+                    " use different texture coordinates: export them with one UV map");
+  }
+
+  static std::string name_of(const tinygltf::Material& material) {
+    return "material '" + material.name.substr(0, 100) + "'";
   }
 
   static void set_factors(const tinygltf::Material& material, Mesh& mesh) {
@@ -147,7 +155,7 @@ class ModelBuilder {
     const auto& pbr = material.pbrMetallicRoughness;
     const auto set = [&](int index, int& map) -> Result<void> {
       if (index < 0) return {};
-      MIXRIG_ASSIGN(map, texture(index));
+      MIXRIG_ASSIGN(map, texture(index, name_of(material)));
       return {};
     };
     MIXRIG_TRY(set(pbr.baseColorTexture.index, mesh.texture));
@@ -166,13 +174,13 @@ class ModelBuilder {
   }
 
   /// Returns the index in Model::textures of a glTF texture; each picture is decoded once.
-  Result<int> texture(int index) {
+  Result<int> texture(int index, const std::string& material) {
     const auto& textures = file_.gltf.textures;
     const int source = static_cast<std::size_t>(index) < textures.size()
                            ? textures[static_cast<std::size_t>(index)].source
                            : -1;
     if (source < 0 || static_cast<std::size_t>(source) >= file_.gltf.images.size())
-      return bad_gltf("texture " + std::to_string(index) + " has no picture");
+      return bad_gltf(no_picture(index, material));
     if (const auto known = texture_of_image_.find(source); known != texture_of_image_.end())
       return known->second;
     const tinygltf::Image& image = file_.gltf.images[static_cast<std::size_t>(source)];
@@ -190,6 +198,17 @@ class ModelBuilder {
     return texture_of_image_[source] = static_cast<int>(model_.textures.size()) - 1;
   }
 
+  /// Why a texture has no picture that is read.
+  std::string no_picture(int index, const std::string& material) const {
+    const auto& textures = file_.gltf.textures;
+    if (static_cast<std::size_t>(index) < textures.size())
+      for (const auto& [extension, value] : textures[static_cast<std::size_t>(index)].extensions)
+        if (const std::string format = picture_format_of(extension); !format.empty())
+          return "the picture of " + material + " is " + format + " (" + extension +
+                 "): use PNG or JPEG";
+    return material + " names a texture without a picture: export it again";
+  }
+
   const GltfFile& file_;
   std::vector<bool> visited_;
   std::map<int, int> texture_of_image_;
@@ -199,15 +218,22 @@ class ModelBuilder {
 
 }  // namespace
 
-Result<Model> parse_model(std::span<const std::uint8_t> bytes, const fs::path& folder) {
+Result<Model> parse_model(std::span<const std::uint8_t> bytes, const fs::path& folder,
+                          std::vector<std::string>* without) {
   MIXRIG_ASSIGN(const GltfFile file, parse_gltf(bytes, folder));
+  if (without != nullptr) *without = file.without;
   return ModelBuilder(file).build();
 }
 
 Result<Model> load_gltf(const fs::path& path) {
   MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxModelBytes));
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
-  auto model = parse_model(bytes, path.has_parent_path() ? path.parent_path() : fs::path("."));
+  std::vector<std::string> without;
+  auto model =
+      parse_model(bytes, path.has_parent_path() ? path.parent_path() : fs::path("."), &without);
+  if (model && !without.empty())
+    log_warning("scene", fmt::format("model '{}' is drawn without {}: export it without",
+                                     path.string(), fmt::join(without, ", ")));
   if (model) return model;
   return Error{ErrorCode::kFormat,
                "cannot read model '" + path.string() + "': " + model.error().context};

@@ -13,6 +13,8 @@
 #include "host/calibrate/views/mean_capture.h"
 #include "host/calibrate/views/turn_plan.h"
 #include "host/calibrate/views/view_collector.h"
+#include "host/math/image_io/image_io.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/calibrate/drawn_capture.h"
 
@@ -266,6 +268,52 @@ TEST(ViewBoard, ThatLooksTheSameFromBothSidesOrThatViewsCannotHoldIsRefused) {
   EXPECT_FALSE(check_view_board({BoardKind::kCheckerboard, 9, 7, 0.04, 0, 0, {}}));
   EXPECT_FALSE(check_view_board({BoardKind::kAprilgrid, 6, 6, 0.088, 0, 0.026, {}}));
   EXPECT_TRUE(check_view_board({BoardKind::kCharuco, 14, 9, 0.04, 0.03, 0, "5X5_250"}));
+}
+
+/// One view of two cameras, whose depth has 0, 65535 and 1200 in its first three pixels.
+class ViewDepth : public ::testing::Test {
+ protected:
+  Result<ViewPictures> load(const std::string& keys) {
+    constexpr Size kSize{32, 24};
+    for (const char* name : {"target", "tof", "depth"})
+      std::filesystem::create_directories(folder_ / name);
+    EXPECT_TRUE(image_io::write_png(folder_ / "target/000001.png", Image<Rgb8>(kSize).view()));
+    Image<std::uint16_t> depth(kSize, 2000);
+    EXPECT_TRUE(image_io::write_png(folder_ / "tof/000001.png", depth.view()));
+    depth.at(0, 0) = 0, depth.at(1, 0) = 65535, depth.at(2, 0) = 1200;
+    EXPECT_TRUE(image_io::write_png(folder_ / "depth/000001.png", depth.view()));
+    folder_.write(
+        "views.toml",
+        "format = 1\nname = \"v\"\nviews = 1\n[board]\ncolumns = 9\nrows = 6\nsquare_mm = "
+        "30\n[[camera]]\nname = \"target\"\nsize_px = [32, 24]\nimages = "
+        "\"target/%06d.png\"\n[[camera]]\nname = \"tof\"\nsize_px = [32, 24]\nimages = "
+        "\"tof/%06d.png\"\ndepth = \"depth/%06d.png\"\ndepth_unit_m = 0.001\n" +
+            keys);
+    MIXRIG_ASSIGN(const ViewSet set, read_view_set(folder_.path()));
+    return load_view(set, set.cameras[1], 1);
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(ViewDepth, SeveralStepsMayMeanNoMeasurement) {
+  const auto plain = load("");
+  ASSERT_TRUE(plain) << plain.error().context;
+  EXPECT_EQ(plain->depth_m.at(0, 0), 0.0F);
+  EXPECT_FLOAT_EQ(plain->depth_m.at(1, 0), 65.535F);
+  const auto stated = load("depth_unknown = [0, 65535, 1200]\n");
+  ASSERT_TRUE(stated) << stated.error().context;
+  for (int x = 0; x < 3; ++x) EXPECT_EQ(stated->depth_m.at(x, 0), 0.0F) << x;
+  EXPECT_FLOAT_EQ(stated->depth_m.at(3, 0), 2.0F);
+  EXPECT_TRUE(refused(load("depth_unknown = 0.5\n"), {"camera", "depth_unknown", "whole steps"}));
+}
+
+TEST_F(ViewDepth, Of8BitsIsRefused) {
+  ASSERT_TRUE(load(""));
+  ASSERT_TRUE(image_io::write_png(folder_ / "depth/000001.png",
+                                  Image<std::uint8_t>(Size{32, 24}, 100).view()));
+  const auto set = read_view_set(folder_.path());
+  ASSERT_TRUE(set);
+  EXPECT_TRUE(refused(load_view(*set, set->cameras[1], 1), {"has 8 bits a pixel: depth needs 16"}));
 }
 
 }  // namespace

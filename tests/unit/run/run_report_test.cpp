@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "hal/base/log.h"
+
 namespace mixrig::session {
 namespace {
 
@@ -42,6 +44,14 @@ TEST(RunReport, SaysHowTheCamerasPicturesCameIn) {
   report.compositor.plates = plates;
   EXPECT_EQ(to_json(report)["camera_pictures"]["imported"], 30);
   EXPECT_NE(to_table(report).find("camera pictures: imported (DMABUF, yuyv)"), std::string::npos);
+}
+
+TEST(RunReport, HasWhatTheRunWarnedOf) {
+  log_warning("take", "a guess that only this test makes");
+  log_info("take", "nothing to warn of");
+  const nlohmann::json json = to_json(three_frames());
+  ASSERT_TRUE(json.contains("warnings"));
+  EXPECT_EQ(json["warnings"].back(), "take: a guess that only this test makes");
 }
 
 TEST(RunReport, HasTheKeysOfTheContract) {

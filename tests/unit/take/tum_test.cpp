@@ -110,7 +110,69 @@ TEST_F(TumFolder, ATakeTomlBesideTheListsBringsItsOwnCalibration) {
 
 TEST_F(TumFolder, WithoutAnyPairItIsNoTake) {
   folder_.write("tum/depth.txt", "99 depth/a.png\n");
-  EXPECT_TRUE(test::refused(TakeReader::open(folder_ / "tum"), {}, ErrorCode::kData));
+  EXPECT_TRUE(test::refused(TakeReader::open(folder_ / "tum"),
+                            {"rgb.txt: the nearest depth picture is 88.5 s away"},
+                            ErrorCode::kFormat));
+}
+
+TEST_F(TumFolder, PosesOfAnotherTimeAreNoTake) {
+  folder_.write("tum/groundtruth.txt", "99 0 0 0 0 0 0 1\n99.1 0 0 0 0 0 0 1\n");
+  EXPECT_TRUE(test::refused(
+      TakeReader::open(folder_ / "tum"),
+      {"groundtruth.txt: no frame has a pose", "99.000 to 99.100 s", "10.000 to 10.500 s"},
+      ErrorCode::kFormat));
+}
+
+TEST_F(TumFolder, ItsNominalCameraIsAGuess) {
+  auto reader = TakeReader::open(folder_ / "tum");
+  ASSERT_TRUE(reader) << reader.error().context;
+  EXPECT_TRUE(reader->info().camera_tables.empty()) << "no table says the camera";
+  ASSERT_TRUE(image_io::write_png(folder_ / "tum/rgb/a.png", Image<Rgb8>(Size{320, 240}).view()));
+  capture::Capture frame;
+  EXPECT_TRUE(
+      test::refused(reader->read(1, frame), {"rgb/a.png' is 320x240, the assumed camera 640x480",
+                                             "has no take.toml: write one with [target]"}));
+}
+
+TEST_F(TumFolder, CalibrationTxtSaysTheCamera) {
+  const auto camera_of = [&](const char* text) {
+    folder_.write("tum/calibration.txt", text);
+    auto reader = TakeReader::open(folder_ / "tum");
+    EXPECT_TRUE(reader) << reader.error().context;
+    return reader ? reader->info().target : geometry::CameraModel();
+  };
+  const geometry::Pinhole wanted{{640, 480}, 600, 601, 319, 239};
+  EXPECT_EQ(camera_of("600.0 601.0 319 239\n").pinhole, wanted);
+  EXPECT_EQ(camera_of("# fx fy cx cy\n600, 601, 319, 239").pinhole, wanted);
+  EXPECT_EQ(camera_of("600 0 319\n0 601 239\n0 0 1\n").pinhole, wanted);
+  const geometry::CameraModel bent = camera_of("600 601 319 239 0.1 -0.05 0.001 -0.002 0.01\n");
+  EXPECT_EQ(bent.pinhole, wanted);
+  EXPECT_EQ(bent.lens.coefficients()[0], 0.1);
+  EXPECT_EQ(bent.lens.coefficients()[3], -0.002);
+  EXPECT_EQ(bent.lens.coefficients()[4], 0.01);
+  for (const char* bad : {"600 601 319", "fx 600 fy 601 cx 319 cy 239", "-600 601 319 239", ""}) {
+    folder_.write("tum/calibration.txt", bad);
+    EXPECT_TRUE(test::refused(TakeReader::open(folder_ / "tum"), {"tum/calibration.txt: "},
+                              ErrorCode::kFormat))
+        << bad;
+  }
+}
+
+/// Of other pictures than the Kinect's, whose size a file of numbers does not say.
+TEST_F(TumFolder, TheSizeOfItsCameraIsThatOfItsPictures) {
+  folder_.write("tum/calibration.txt", "300 300 159.5 119.5\n");
+  for (const char* name : {"a.png", "b.png"}) {
+    ASSERT_TRUE(
+        image_io::write_png(folder_ / "tum/rgb" / name, Image<Rgb8>(Size{320, 240}).view()));
+    ASSERT_TRUE(image_io::write_png(folder_ / "tum/depth" / name,
+                                    Image<std::uint16_t>(Size{320, 240}, 7500).view()));
+  }
+  auto reader = TakeReader::open(folder_ / "tum");
+  ASSERT_TRUE(reader) << reader.error().context;
+  EXPECT_EQ(reader->info().target.size_px(), (Size{320, 240}));
+  EXPECT_EQ(reader->info().tof.size_px(), (Size{320, 240}));
+  capture::Capture frame;
+  EXPECT_TRUE(reader->read(1, frame));
 }
 
 }  // namespace

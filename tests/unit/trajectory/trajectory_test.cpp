@@ -60,6 +60,25 @@ TEST_F(TrajectoryFile, ReadsTumAndCsv) {
   EXPECT_EQ(csv->samples().size(), 1u);
 }
 
+/// One motion as two publishers write it: the order of the columns is that of the header.
+TEST_F(TrajectoryFile, TakesColumnsByTheirNames) {
+  const auto tum = read("1.5 1 2 3 -0.6 0 0 0.8\n2.5 1 2 4 0 0.6 0 0.8\n");
+  const auto csv = read("t,x,y,z,qw,qx,qy,qz\n1.5,1,2,3,0.8,-0.6,0,0\n2.5,1,2,4,0.8,0,0.6,0\n");
+  const auto euroc = read(
+      "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z "
+      "[],b_w_RS_S_x [rad "
+      "s^-1]\n1500000000,1,2,3,0.8,-0.6,0,0,7\n2500000000,1,2,4,0.8,0,0.6,0,7\n");
+  ASSERT_TRUE(tum && csv && euroc);
+  for (const auto* other : {&*csv, &*euroc}) {
+    ASSERT_EQ(other->samples().size(), 2U);
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_NEAR(other->samples()[i].t_s, tum->samples()[i].t_s, 1e-9);
+      EXPECT_EQ(other->samples()[i].world_from_body, tum->samples()[i].world_from_body);
+    }
+  }
+  EXPECT_FALSE(read("t,x,y,z,roll,pitch,yaw,valid\n1.5,1,2,3,0,0,0,1\n"));
+}
+
 TEST_F(TrajectoryFile, NamesTheBrokenLine) {
   const auto broken = read("1.5 1 2 3 0 0 0 1\n2.5 1 2 three 0 0 0 1\n");
   ASSERT_FALSE(broken);

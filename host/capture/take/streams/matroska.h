@@ -10,9 +10,6 @@
 
 namespace mixrig::take {
 
-/// Pixel format of a stream: 8-bit colour, or 16-bit grey.
-enum class PixelKind { kRgb8, kGray16 };
-
 /// GStreamer's name of the raw format that FFV1 stores without loss.
 const char* raw_format(PixelKind kind);
 

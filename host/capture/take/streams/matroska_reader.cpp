@@ -7,6 +7,7 @@
 #include <gst/video/video-info.h>
 
 #include "host/capture/take/streams/matroska.h"
+#include "host/capture/take/streams/matroska_tracks.h"
 
 namespace mixrig::take {
 namespace {
@@ -54,7 +55,7 @@ class MatroskaStream final : public PictureStream {
 
  private:
   Error failure(int index, const std::string& why) const {
-    return pipeline_.error(ErrorCode::kFormat, "cannot read '" + name(index) + "': " + why);
+    return {ErrorCode::kFormat, "cannot read '" + name(index) + "': " + why};
   }
 
   /// Returns the frame's number from its stamp: Matroska rounds stamps to milliseconds.
@@ -71,7 +72,7 @@ class MatroskaStream final : public PictureStream {
     const auto position = static_cast<gint64>((index + 0.25) / rate_hz_ * GST_SECOND);
     const auto flags = static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | GST_SEEK_FLAG_ACCURATE);
     if (gst_element_seek_simple(pipeline_.get(), GST_FORMAT_TIME, flags, position) != 0) return {};
-    return failure(index, "cannot seek: the file may be cut short");
+    return failure(index, "the file is cut short or damaged: copy it again");
   }
 
   /// Returns the next frame; null at the end, after an error, or if nothing comes for too long.
@@ -94,13 +95,15 @@ class MatroskaStream final : public PictureStream {
     if (index < next_ || index > next_ + kSkipAhead) MIXRIG_TRY(seek(index));
     for (int guard = 0; guard <= kSkipAhead + 2; ++guard) {
       SamplePtr sample = next_sample();
-      if (!sample) return failure(index, "the file ends before it");
+      if (!sample)
+        return failure(index,
+                       "the file ends before it or is damaged: copy it again, or correct count");
       const int got = index_of(sample.get());
       next_ = got + 1;
       if (got == index) return sample;
       if (got > index) break;
     }
-    return failure(index, "its stamps do not fit rate_hz");
+    return failure(index, "its stamps do not fit rate_hz: correct it");
   }
 
   template <typename T, typename CopyRow>
@@ -115,9 +118,10 @@ class MatroskaStream final : public PictureStream {
     GstVideoInfo info;
     GstMapInfo map;
     if (gst_video_info_from_caps(&info, gst_sample_get_caps(sample.get())) == 0)
-      return failure(index, "no picture");
+      return failure(index, "no picture: copy the file again");
     GstBuffer* buffer = gst_sample_get_buffer(sample.get());
-    if (gst_buffer_map(buffer, &map, GST_MAP_READ) == 0) return failure(index, "no memory");
+    if (gst_buffer_map(buffer, &map, GST_MAP_READ) == 0)
+      return failure(index, "no memory: close other programs");
     const Size size{info.width, info.height};
     const auto stride = static_cast<std::size_t>(info.stride[0]);
     const bool whole = !size.empty() && map.size >= info.size;
@@ -125,7 +129,7 @@ class MatroskaStream final : public PictureStream {
     for (int y = 0; whole && y < size.height; ++y)
       copy_row(map.data + static_cast<std::size_t>(y) * stride, size.width, image.row(y));
     gst_buffer_unmap(buffer, &map);
-    return whole ? Result<void>() : failure(index, "a damaged frame");
+    return whole ? Result<void>() : failure(index, "a damaged frame: copy the file again");
   }
 
   Pipeline pipeline_;
@@ -145,14 +149,18 @@ Result<std::unique_ptr<PictureStream>> open_matroska(const std::filesystem::path
   if (!std::filesystem::is_regular_file(path, error))
     return Error{ErrorCode::kNotFound,
                  "cannot read '" + path.string() + "': no such file: check the path"};
+  MIXRIG_TRY(check_tracks(path, kind));
   const std::string description =
       std::string("filesrc name=file ! matroskademux ! avdec_ffv1 ! video/x-raw,format=") +
       raw_format(kind) + " ! appsink name=sink sync=false max-buffers=2";
   MIXRIG_ASSIGN(Pipeline pipeline, Pipeline::create(description, path));
   GstElementPtr sink(pipeline.element("sink"));
-  MIXRIG_TRY(pipeline.play());
-  // A pipeline can seek only after its first frame.
-  MIXRIG_TRY(pipeline.wait_for(GST_MESSAGE_ASYNC_DONE, "open"));
+  // A pipeline can seek only after its first frame. Its own words name its elements, which the user
+  // does not know.
+  if (!pipeline.play() || !pipeline.wait_for(GST_MESSAGE_ASYNC_DONE, "open"))
+    return Error{ErrorCode::kFormat, "cannot open '" + path.string() +
+                                         "': it is damaged, or no Matroska file of FFV1: copy or "
+                                         "record it again"};
   return std::unique_ptr<PictureStream>(std::make_unique<MatroskaStream>(
       std::move(pipeline), std::move(sink), path, kind, count, rate_hz));
 }

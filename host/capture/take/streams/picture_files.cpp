@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "host/math/image_io/depth_picture.h"
 #include "host/math/image_io/image_io.h"
 
 namespace mixrig::take {
@@ -40,6 +41,7 @@ Result<void> PictureFiles::read(int index, Image<Rgb8>& image) {
 }
 
 Result<void> PictureFiles::read(int index, Image<std::uint16_t>& image) {
+  if (needs_16_bits_) return image_io::read_depth16(path_of_(index), image);
   return image_io::read_gray16(path_of_(index), image);
 }
 

@@ -27,7 +27,9 @@ class NumberedName {
 class PictureFiles final : public PictureStream {
  public:
   using PathOf = std::function<std::filesystem::path(int index)>;
-  explicit PictureFiles(PathOf path_of) : path_of_(std::move(path_of)) {}
+  /// `needs_16_bits`: pictures of 8 bits are refused, as depth needs it.
+  explicit PictureFiles(PathOf path_of, bool needs_16_bits = false)
+      : path_of_(std::move(path_of)), needs_16_bits_(needs_16_bits) {}
 
   std::string name(int index) const override { return path_of_(index).string(); }
   Result<void> read(int index, Image<Rgb8>& image) override;
@@ -37,6 +39,7 @@ class PictureFiles final : public PictureStream {
 
  private:
   PathOf path_of_;
+  bool needs_16_bits_;
 };
 
 }  // namespace mixrig::take

@@ -10,6 +10,9 @@
 
 namespace mixrig::take {
 
+/// Pixel format of a stream: 8-bit colour, or 16-bit grey.
+enum class PixelKind { kRgb8, kGray16 };
+
 /// Random access by index (0-based); reading forwards is fast for every kind. Not thread-safe.
 class PictureStream {
  public:

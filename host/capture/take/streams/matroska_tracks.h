@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a Matroska file holds (RFC 9559), found out before a decoder is started on it. Private to
+// this module.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hal/base/result.h"
+#include "host/capture/take/streams/ffv1_format.h"
+#include "host/capture/take/streams/picture_stream.h"
+
+namespace mixrig::take {
+
+/// A track of pictures.
+struct MatroskaTrack {
+  std::uint64_t number = 0;
+  std::string codec;                 ///< in words, such as "H.264"; "FFV1"
+  std::vector<std::uint8_t> record;  ///< of FFV1
+  std::optional<Ffv1Format> ffv1;    ///< where it is FFV1 and its header was found
+};
+
+/// Tracks of pictures by the begin of a file; nullopt where it holds no list of tracks. Pure.
+std::optional<std::vector<MatroskaTrack>> parse_tracks(std::span<const std::uint8_t> bytes);
+
+/// Whether one stream of that pixel format is in the file, as far as its begin tells; a damaged
+/// file passes. Errors: kFormat with what it holds, kIo.
+Result<void> check_tracks(const std::filesystem::path& path, PixelKind kind);
+
+}  // namespace mixrig::take
