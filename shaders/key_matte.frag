@@ -88,7 +88,14 @@ bool is_foreground_at(ivec2 at) {
          (int(texelFetch(counts, at / block_px, 0).w) & 4) == 0;
 }
 
-// Foreground of a whole cell beside a pixel: distance (beyond the reach: none) and inverse depth.
+// Matte of a pixel without that of the frame before.
+float matte_now(ivec2 at) {
+  bool decided = (int(texelFetch(band, at / block_px, 0).x) & 4) != 0;
+  return refine && decided ? refined(at) : texelFetch(voted, at, 0).r;
+}
+
+// Foreground of a whole cell beside a pixel, people by the matte: distance (beyond the reach:
+// none) and inverse depth.
 struct Beside {
   int px;
   float w;
@@ -100,7 +107,7 @@ Beside beside(ivec2 at, ivec2 way) {
     at += way;
     if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) break;
     float whole_w = texelFetch(w, at, 0).r;
-    if (whole_w > 0.0 && is_foreground_at(at)) return Beside(d, whole_w);
+    if (whole_w > 0.0 && is_foreground_at(at) && matte_now(at) >= 0.5) return Beside(d, whole_w);
   }
   return Beside(fill_reach_px + 1, 0.0);
 }
@@ -188,11 +195,10 @@ float steadied(ivec2 at, float now) {
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy), block = at / block_px;
   vec4 near = texelFetch(band, block, 0);
-  matte = texelFetch(voted, at, 0).r;
+  matte = matte_now(at);
   float measured = abs(texelFetch(w, at, 0).r);
   visible_w = measured;
   if ((int(near.x) & 4) == 0) return;
-  if (refine) matte = refined(at);
   if (has_before) matte = steadied(at, matte);
   bool is_foreground = is_foreground_at(at), is_person = matte > 0.0;
   if (!is_person && !is_foreground) return;

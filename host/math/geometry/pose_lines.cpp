@@ -22,7 +22,8 @@ constexpr const char* kOrder = "t x y z qx qy qz qw";
 /// Where the columns of a file are, and their units.
 struct PoseColumns {
   std::array<int, kRoles> at{0, 1, 2, 3, 4, 5, 6, 7};
-  std::size_t count = kRoles;
+  /// Number of columns: of each line the same. A comment may have words behind the names.
+  std::size_t least = kRoles, most = kRoles;
   double time_unit_s = 0;  ///< 0: the file does not say
   double length_unit_m = 1;
   bool named = false;  ///< by a header
@@ -109,7 +110,7 @@ PoseHeader parse_pose_header(std::string_view line) {
     std::erase_if(cells, [](std::string_view cell) { return cell[0] == '[' || cell[0] == '('; });
   PoseHeader header;
   header.columns.named = true;
-  header.columns.count = cells.size();
+  header.columns.most = cells.size();
   header.columns.at.fill(-1);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const ColumnName column = column_name(cells[i]);
@@ -118,7 +119,10 @@ PoseHeader parse_pose_header(std::string_view line) {
     int& at = header.columns.at[*role];
     // Of two times, such as that of a message and that of its arrival, the stamp.
     if (at >= 0 && *role == 0 && !column.name.ends_with("stamp")) continue;
-    if (at >= 0 && *role != 0 && header.twice.empty()) header.twice = kRoleNames[*role];
+    if (at >= 0 && *role != 0) {
+      if (header.twice.empty()) header.twice = kRoleNames[*role];
+      continue;
+    }
     at = static_cast<int>(i);
     if (*role == 0) header.columns.time_unit_s = time_unit_of(column.unit);
     if (*role >= 1 && *role <= 3 && column.unit == "mm") header.columns.length_unit_m = 1e-3;
@@ -165,19 +169,23 @@ class PoseLineReader {
       return error(number, "the header names no column " + header.missing +
                                ": name the columns like " + kOrder +
                                ", or delete the header, to read lines in that order");
-    if (!header.twice.empty())
+    const bool has_prose = comment && line.find_first_of(",;") == std::string_view::npos;
+    if (!header.twice.empty() && !has_prose)
       return error(number, "the header names column " + header.twice +
                                " twice: leave one body in the file, with columns " + kOrder);
     columns_ = header.columns;
+    columns_.least = comment ? 1 + static_cast<std::size_t>(*std::ranges::max_element(columns_.at))
+                             : columns_.most;
     return {};
   }
 
   Result<void> row(std::string_view line, int number) {
     std::vector<std::string_view> cells = split_cells(line);
     if (!columns_.named && cells.size() != kRoles) cells = loose_cells(line);
-    if (cells.size() != columns_.count)
+    if (cells.size() < columns_.least || cells.size() > columns_.most)
       return error(number, "has " + std::to_string(cells.size()) + " columns, not " +
-                               std::to_string(columns_.count) + ": " + expected());
+                               std::to_string(columns_.most) + ": " + expected());
+    columns_.least = columns_.most = cells.size();
     std::array<double, kRoles> v{};
     for (std::size_t role = 0; role < kRoles; ++role) {
       const std::string_view cell = cells[static_cast<std::size_t>(columns_.at[role])];

@@ -49,6 +49,17 @@ TEST(PoseLines, ColumnsAreTakenByTheNamesOfTheHeader) {
   EXPECT_EQ(only_pose("qx;qy;qz;qw;tx;ty;tz;time_ms\n-0.6;0;0;0.8;1;2;3;5000\n").time_s, 5);
 }
 
+TEST(PoseLines, ACommentMayHaveWordsBehindTheNames) {
+  expect_turned(
+      only_pose("# t x y z qx qy qz qw of world_from_target in z up\n"
+                "5 1 2 3 -0.6 0 0 0.8\n"));
+  expect_turned(only_pose("# t x y z qw qx qy qz of a tracker\n5 1 2 3 0.8 -0.6 0 0 9\n"));
+  EXPECT_TRUE(test::refused(parse_pose_lines("# t x y z qx qy qz qw and more\n5 1 2 3 0 0 0 1\n"
+                                             "6 1 2 3 0 0 0 1 9\n",
+                                             "p.txt"),
+                            {"p.txt:3: has 9 columns, not 8"}));
+}
+
 TEST(PoseLines, WithoutAHeaderTheOrderIsThatOfTum) {
   expect_turned(only_pose("# made at night, with x and y swapped back\n5 1 2 3 -0.6 0 0 0.8"));
   expect_turned(only_pose("5, 1, 2, 3, -0.6, 0, 0, 0.8,\r\n"));

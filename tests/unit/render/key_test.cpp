@@ -154,6 +154,21 @@ TEST(Key, what_the_nearer_of_two_people_hides_from_the_tof_camera_is_the_rear_on
   for (int x = 27; x < 32; ++x) EXPECT_FLOAT_EQ(wide.z_m(x), 3) << x;
 }
 
+TEST(Key, foreground_that_is_the_room_by_colour_gives_nobody_its_depth) {
+  Keyed k;
+  k.setup.target_from_tof.translation_m.x() = 0.2;
+  k.person(22, 16, 26, 48, 3.5F), k.person(32, 16, 52, 48, 2);
+  for (int y = 16; y < 48; ++y)
+    for (int x = 26; x < 32; ++x) k.w.at(x, y) = 0;
+  k.paint(26, 16, 52, 48, kShirt);
+  k.run();
+  EXPECT_FALSE(k.is_person(23, 32));
+  for (int x = 27; x < 32; ++x) {
+    EXPECT_TRUE(k.is_person(x, 32)) << x;
+    EXPECT_FLOAT_EQ(1 / k.w.at(x, 32), 2) << x;
+  }
+}
+
 TEST(Key, depth_that_parallax_does_not_explain_is_that_of_the_nearer_pixel) {
   const TwoPeople k(6, 0);
   for (int x = 26; x < 29; ++x) EXPECT_FLOAT_EQ(k.z_m(x), 3) << x;

@@ -11,9 +11,11 @@ namespace mixrig::render::cpu {
 namespace {
 
 constexpr auto kOfForeground = static_cast<std::uint8_t>(PixelState::kForeground);
+/// Least matte of foreground whose depth its surroundings take: what lost the vote is the room.
+constexpr std::uint8_t kMostlyPeople = 128;
 constexpr auto kOfDoubt = static_cast<std::uint8_t>(PixelState::kEdge);
 
-/// The nearest foreground on one side of a pixel that no cut cell drew.
+/// The nearest foreground on one side of a pixel that is people by the matte and no cut cell drew.
 struct Beside {
   int px = kFillReachPx + 1;  // distance; over kFillReachPx: none
   float w = 0;
@@ -23,15 +25,16 @@ struct Beside {
 struct DepthFill {
   const Image<std::uint8_t>& state;
   const Image<std::uint8_t>* alone;  ///< its pixels may be changing and are not read; null: none
+  const Image<std::uint8_t>& matte;
   const Image<float>& view_w;
-  Size size;
   glm::vec2 parallax_px_m;
 
   Beside beside(int x, int y, int dx, int dy) const {
     for (int d = 1; d <= kFillReachPx; ++d) {
       x += dx, y += dy;
-      if (x < 0 || y < 0 || x >= size.width || y >= size.height) break;
-      if (state.row(y)[x] != kOfForeground || (alone && alone->row(y)[x])) continue;
+      if (x < 0 || y < 0 || x >= matte.width() || y >= matte.height()) break;
+      if (state.row(y)[x] != kOfForeground || matte.row(y)[x] < kMostlyPeople) continue;
+      if (alone && alone->row(y)[x]) continue;
       const float w = view_w.row(y)[x];
       if (!from_cut_cell(w)) return {d, w};
     }
@@ -79,7 +82,7 @@ struct DepthFill {
 
 void find_alone(const KeyInput& input, int bx, int by, const Image<std::uint8_t>& matte,
                 const Image<float>& view_w, KeyScratch& scratch) {
-  const DepthFill fill{scratch.state, nullptr, view_w, matte.size(),
+  const DepthFill fill{scratch.state, nullptr, matte, view_w,
                        parallax_px_m(input.tables.warp)};
   for (int y = block_begin(by); y < block_end(by, matte.height()); ++y)
     for (int x = block_begin(bx); x < block_end(bx, matte.width()); ++x)
@@ -89,7 +92,7 @@ void find_alone(const KeyInput& input, int bx, int by, const Image<std::uint8_t>
 
 void fill_depth(const KeyInput& input, const KeyScratch& scratch, int bx, int by,
                 const Image<std::uint8_t>& matte, Image<float>& view_w) {
-  const DepthFill fill{scratch.state, &scratch.alone, view_w, matte.size(),
+  const DepthFill fill{scratch.state, &scratch.alone, matte, view_w,
                        parallax_px_m(input.tables.warp)};
   const float otherwise = scratch.at(bx, by).near_w;
   for (int y = block_begin(by); y < block_end(by, matte.height()); ++y)
