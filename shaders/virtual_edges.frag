@@ -4,7 +4,9 @@
 //   sharp_color, color  linear, premultiplied by the coverage in alpha
 //   sharp_w, w          1/m, 0 where not covered
 // A pixel that only the filter covers shows the surface of the one beside it that is covered most.
+// Coverage stays on its side of virtual_share, by a level of 1/255.
 #include "common/precision.glsl"
+#include "common/constants.glsl"
 layout(binding = 0) uniform sampler2D sharp_color;
 layout(binding = 1) uniform sampler2D sharp_w;
 uniform float edge_tap;  // weight of each of the four pixels beside one
@@ -24,6 +26,8 @@ void main() {
     if (own.a == 0.0 && c.a > most.a) most = c, from = beside;
   }
   if (most.a == 0.0) discard;
-  color = most * ((own.a + edge_tap * more) / most.a);
+  float soft = own.a + edge_tap * more, level = 1.0 / 255.0;
+  soft = own.a < virtual_share ? min(soft, virtual_share - level) : max(soft, virtual_share + level);
+  color = most * (soft / most.a);
   w = texelFetch(sharp_w, from, 0).r;
 }

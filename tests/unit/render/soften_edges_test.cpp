@@ -7,6 +7,7 @@
 #include <set>
 
 #include "hal/base/srgb.h"
+#include "host/render/contract/constants.h"
 #include "host/render/frame/used_look.h"
 #include "tests/unit/render/helpers.h"
 
@@ -15,6 +16,7 @@ namespace {
 
 constexpr Size kSoftView{40, 32};
 constexpr float kSoftTap = 0.1F;
+constexpr auto kVirtualLevel = static_cast<int>(255 * render::kVirtualShare);
 
 /// A square 2 m before the camera, turned in the picture, with another one farther back beside it.
 struct Edges {
@@ -51,7 +53,9 @@ struct Edges {
   double filtered(int x, int y) const {
     const int beside =
         sharp_at(x - 1, y) + sharp_at(x + 1, y) + sharp_at(x, y - 1) + sharp_at(x, y + 1);
-    return (1 - 4.0 * kSoftTap) * sharp_at(x, y) + double{kSoftTap} * beside;
+    const double wider = (1 - 4.0 * kSoftTap) * sharp_at(x, y) + double{kSoftTap} * beside;
+    const double limit = 255 * double{render::kVirtualShare};
+    return sharp_at(x, y) < limit ? std::min(wider, limit - 1) : std::max(wider, limit + 1);
   }
   std::vector<glm::vec3> positions, normals;
   std::vector<std::uint32_t> indices = {0, 2, 1, 0, 3, 2, 4, 6, 5, 4, 7, 6};
@@ -68,6 +72,7 @@ TEST(SoftenEdges, coverage_is_filtered_and_each_pixel_keeps_its_surfaces) {
         for (int x = 0; x < kSoftView.width; ++x) {
           const int coverage = e.soft.coverage.at(x, y), before = e.sharp_at(x, y);
           ASSERT_NEAR(coverage, e.filtered(x, y), 0.51) << x << "," << y;
+          ASSERT_EQ(coverage > kVirtualLevel, before > kVirtualLevel);
           if (coverage == 0) continue;
           const double share = e.filtered(x, y) / 255;
           ASSERT_GT(e.soft.w.at(x, y), 0);

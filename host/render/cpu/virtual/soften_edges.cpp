@@ -5,6 +5,7 @@
 #include <array>
 #include <cstring>
 
+#include "host/render/contract/constants.h"
 #include "host/render/cpu/simd.h"
 
 namespace mixrig::render::cpu {
@@ -49,6 +50,13 @@ void copy_coverage(Crew& crew, const VirtualLayer& layer, Image<std::uint8_t>& s
   });
 }
 
+/// Coverage `own` and `more`, kept on its side of kVirtualShare by a level.
+float on_its_side(std::uint8_t own, float more) {
+  constexpr float kLimit = 255 * kVirtualShare;
+  const auto sharp = static_cast<float>(own);
+  return sharp < kLimit ? std::min(sharp + more, kLimit - 1) : std::max(sharp + more, kLimit + 1);
+}
+
 /// Calls edge(x, soft) for the pixels of a row that are softened to coverage `soft`.
 template <typename Edge>
 void for_each_edge(const SharpRows& sharp, const Rect& rect, float tap, Edge&& edge) {
@@ -57,7 +65,7 @@ void for_each_edge(const SharpRows& sharp, const Rect& rect, float tap, Edge&& e
     if (x == rect.x1) return;
     const auto [left, right, above, below] = sharp.beside(x);
     const int more = left + right + above + below - 4 * sharp.own[x];
-    if (more != 0) edge(x, static_cast<float>(sharp.own[x]) + tap * static_cast<float>(more));
+    if (more != 0) edge(x, on_its_side(sharp.own[x], tap * static_cast<float>(more)));
   }
 }
 

@@ -7,8 +7,9 @@
 namespace mixrig::render::cpu {
 
 /// Filters the layer's coverage: a pixel takes `tap` of each of the four pixels beside it and keeps
-/// the rest. A pixel that only the filter covers shows the surface of the one beside it that is
-/// covered most. Call it after draw_virtual(), before the layer is shaded.
+/// the rest, but none changes its side of kVirtualShare: layers stay as they are. A pixel that only
+/// the filter covers shows the surface of the one beside it that is covered most. Call it after
+/// draw_virtual(), before the layer is shaded.
 void soften_edges(Crew& crew, float tap, VirtualScratch& scratch, VirtualLayer& layer);
 
 }  // namespace mixrig::render::cpu
