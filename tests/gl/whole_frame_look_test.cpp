@@ -48,6 +48,25 @@ TEST(WholeFrame, agrees_with_the_grain_and_blur_of_the_plate) {
   for (int i = 0; i < 2; ++i) expect_agreement(past_people, room.frame());
 }
 
+/// Without a look that the scene asks for, edges still are as wide as those of the plate.
+TEST(WholeFrame, agrees_with_edges_of_the_plates_width) {
+  for (const bool past_people : {false, true}) {
+    RoomSetup room(RoomSetup::Options{});
+    room.setup.people_cast_shadows = past_people;
+    render::FrameInput frame = room.frame();
+    render::PictureLook look;
+    frame.look = &look;
+    Pair sharp = make_pair(room);
+    expect_agreement(sharp, frame);
+    look.blur_px = 0.5F;
+    Pair soft = make_pair(room);
+    for (int i = 0; i < 2; ++i) expect_agreement(soft, frame);
+    EXPECT_LT(psnr_db(soft.gles_frame.color, sharp.gles_frame.color), 60);
+    EXPECT_GT(psnr_db(soft.cpu_frame.color, soft.gles_frame.color),
+              psnr_db(soft.cpu_frame.color, sharp.cpu_frame.color) + 6);
+  }
+}
+
 /// The look in a frame applies from that frame on, even if the first frame had none.
 TEST(WholeFrame, agrees_with_a_look_that_changes) {
   RoomSetup room(RoomSetup::Options{});

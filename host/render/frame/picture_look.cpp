@@ -21,10 +21,11 @@ constexpr std::size_t kLeastBlocks = 4;
 /// Part of the blocks of a brightness that counts: the smoothest.
 constexpr double kSmoothShare = 1.0 / 3;
 constexpr float kMostBlur_px = 1.2F;
-/// Median variance of the place of steps in pictures that no lens blurs: 1/4 in the studio's, 3/16
-/// for a straight step over the area of pixels. Virtual edges, which have two samples across, have
-/// kFewSamples_px2 less in the mean.
-constexpr float kSharpMedian_px2 = 0.25F, kFewSamples_px2 = 1.0F / 6 - 1.0F / 8;
+/// Median variance of the place of a straight step over the area of pixels. Virtual edges have
+/// kFewSamples_px2 less: n samples across an edge (kSampleTurnPx) have 1/6 (1 - 1/n^2) in the mean.
+constexpr float kSharpMedian_px2 = 3.0F / 16;
+constexpr int kSamplesAcross = kVirtualSamples * kVirtualSamples;
+constexpr float kFewSamples_px2 = 1.0F / (6 * kSamplesAcross * kSamplesAcross);
 constexpr std::size_t kLeastEdges = 20;
 /// Least height of steps, in linear light and in colour differences.
 constexpr float kLeastStep = 0.15F, kLeastChromaStep = 0.1F;
@@ -293,7 +294,7 @@ PictureLook measure_look(const Image<glm::vec3>& blocks, Size block, const Pictu
 LookMeter::LookMeter(const CompositorSetup& setup) {
   const Size view = setup.view.size_px;
   const int columns = view.width / kLookBlock_px, rows = view.height / kLookBlock_px;
-  if (!setup.look.measures() || columns * rows == 0) return;
+  if (columns * rows == 0) return;
   const int every = (columns * rows + kMostLookBlocks - 1) / kMostLookBlocks;
   const int count = columns * rows / every;
   plate_px_.reset({kLookBlock_px, kLookBlock_px * count});
@@ -357,16 +358,34 @@ glm::ivec2 grain_offset(std::uint32_t frame) {
           static_cast<int>(h >> 16U & (kGrainTexels - 1))};
 }
 
+namespace {
+
+/// Values of exp(-steep x^2) at whole pixels.
+LookTaps gaussian_taps(float steep) {
+  LookTaps taps{1, 0, 0};
+  float sum = 1;
+  for (int i = 1; i <= kBlurReach; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    taps[k] = std::exp(-steep * static_cast<float>(i * i));
+    sum += 2 * taps[k];
+  }
+  for (float& tap : taps) tap /= sum;
+  return taps;
+}
+
+}  // namespace
+
 LookTaps blur_taps(float sigma_px) {
   LookTaps taps{1, 0, 0};
   if (!(sigma_px > 0)) return taps;
-  float sum = 1;
-  for (int i = 1; i <= kBlurReach; ++i) {
-    const float x = static_cast<float>(i) / sigma_px;
-    taps[static_cast<std::size_t>(i)] = std::exp(-0.5F * x * x);
-    sum += 2 * taps[static_cast<std::size_t>(i)];
+  // At whole pixels and cut off, a Gaussian has less variance than between them.
+  float flat = 0.01F, steep = 20;
+  for (int i = 0; i < 24; ++i) {
+    const float middle = std::sqrt(flat * steep);
+    taps = gaussian_taps(middle);
+    const float variance = 2 * (taps[1] + 4 * taps[2]);
+    (variance > sigma_px * sigma_px ? flat : steep) = middle;
   }
-  for (float& tap : taps) tap /= sum;
   return taps;
 }
 

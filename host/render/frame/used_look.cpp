@@ -1,23 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/render/frame/used_look.h"
 
-namespace mixrig::render {
+#include <algorithm>
 
-UsedLook::UsedLook(const CompositorSetup& setup)
-    : settings_(setup.look), measures_(setup.look.measures() && !setup.objects.empty()) {
-  if (measures_) meter_.emplace(setup);
+namespace mixrig::render {
+namespace {
+
+/// Largest weight of a pixel beside one: wider edges than that need pixels farther away.
+constexpr float kMostEdgeTap = 0.15F;
+
+}  // namespace
+
+UsedLook::UsedLook(const CompositorSetup& setup) : settings_(setup.look) {
+  if (!setup.objects.empty()) meter_.emplace(setup);
 }
 
 const PictureLook* UsedLook::take(const FrameInput& input) {
-  if (!measures_) return nullptr;
   std::optional<PictureLook> look;
   if (input.look != nullptr)
-    look = wanted_of(*input.look, settings_);
+    look = *input.look;
   else if (meter_)
-    look = wanted_of(measured_first(*meter_, input.plate), settings_);
+    look = measured_first(*meter_, input.plate);
+  if (meter_ && !settings_.blur)
+    edge_tap_ = std::min(0.5F * look->blur_px * look->blur_px, kMostEdgeTap);
   meter_.reset();
-  if (!look || used_ == look) return nullptr;
-  used_ = look;
+  if (!look || !settings_.measures()) return nullptr;
+  const PictureLook wanted = wanted_of(*look, settings_);
+  if (used_ == wanted) return nullptr;
+  used_ = wanted;
   return &*used_;
 }
 

@@ -16,11 +16,14 @@ class UsedLook {
   explicit UsedLook(const CompositorSetup& setup);
   /// The look to use from this frame on, restricted to what the setup wants; null: unchanged.
   const PictureLook* take(const FrameInput& input);
-  bool measures() const { return measures_; }
+  /// Weight of each of the four pixels beside one in the filter that makes edges of virtual
+  /// coverage as wide as those of the plate, by the first frame's look. 0 where the setup wants all
+  /// of the objects blurred. Call it after take().
+  float edge_tap() const { return edge_tap_; }
 
  private:
   LookSettings settings_;
-  bool measures_;
+  float edge_tap_ = 0;
   std::optional<LookMeter> meter_;  ///< until the first frame
   std::optional<PictureLook> used_;
 };

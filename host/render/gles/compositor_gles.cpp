@@ -21,7 +21,7 @@ const ImportedPlanes* GlesCompositor::import_plate(FrameInput& input) {
     }
   }
   state_.imported_plate = planes != nullptr;
-  const bool measures = setup_.look.measures() && !std::exchange(has_look_, true);
+  const bool measures = !setup_.objects.empty() && !std::exchange(has_look_, true);
   const bool on_host = planes == nullptr || measures || state_.plate_need != PlateNeed::kShared;
   if (input.plate.empty() && input.shared != nullptr && on_host)
     input.plate = input.shared->decoded();

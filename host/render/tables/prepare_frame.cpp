@@ -20,6 +20,13 @@ bool light_stays(const CompositorSetup& setup) {
   return setup.background_models.empty() && !setup.lens_moves;
 }
 
+/// Edges are softened by a pixel past those that objects touch.
+Rect with_soft_edges(const Rect& r, Size view) {
+  if (r.empty()) return r;
+  return {std::max(r.x0 - 1, 0), std::max(r.y0 - 1, 0), std::min(r.x1 + 1, view.width),
+          std::min(r.y1 + 1, view.height)};
+}
+
 }  // namespace
 
 KeyBy key_by(const CompositorSetup& setup) {
@@ -195,6 +202,7 @@ void FramePreparer::update(const geometry::Pose& world_from_target, const SetupC
   for (std::size_t first = 0; first + 8 <= corners_m_.size(); first += 8)
     include_box(std::span(corners_m_).subspan(first, 8), camera_from_world, setup_.view,
                 params_.virtual_rect);
+  params_.virtual_rect = with_soft_edges(params_.virtual_rect, setup_.view.size_px);
 }
 
 }  // namespace mixrig::render

@@ -436,7 +436,7 @@ TEST(Light, shading_is_lambert_by_hand) {
   // Half of the pixel shows a surface that faces away from the lamp: each has its own light.
   const render::cpu::Rgbx16 half{16384, 16384, 16384, 0};
   layer.color.reset({64, 64}, half);
-  layer.others.add(63, {31, 0.5F, {0, 127, 0, 2}, {}, half, {}, {}});
+  layer.others.add(63, {31, 0.5F, {0, 127, 0, render::cpu::kWholeShare / 2}, {}, half, {}, {}});
   render::cpu::shade_virtual(crew, {preparer.params(), tables, {}, no_shadow}, layer);
   EXPECT_NEAR(layer.color.at(31, 63).r, 0.25 * 0.5 * (light + 0.1) * 65535, 300);
 }

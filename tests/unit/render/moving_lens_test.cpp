@@ -6,6 +6,7 @@
 
 #include "host/math/geometry/lens_table.h"
 #include "host/render/cpu/compositor_cpu.h"
+#include "host/render/frame/picture_look.h"
 #include "tests/gl/room_setup.h"
 #include "tests/support/count_allocations.h"
 #include "tests/unit/render/helpers.h"
@@ -31,8 +32,12 @@ struct LensRoom : RoomSetup {
   render::FrameInput with(const geometry::LensState& lens) const {
     render::FrameInput input = frame();
     input.lens = lens;
+    input.look = &look;
     return input;
   }
+  /// Edges are as wide as those of the first plate, which other compositors see through other
+  /// lenses: all of them are told the same.
+  render::PictureLook look{.grain = {}, .blur_px = 0.4F};
 };
 
 /// The same frame drawn by a compositor whose lens is fixed to `lens`.
@@ -43,6 +48,7 @@ render::FrameOutput made_for(const LensRoom& room, const geometry::LensState& le
   setup.target_from_tof =
       geometry::inverse(geometry::at_pupil({}, lens.pupil_shift_m)) * setup.target_from_tof;
   render::FrameInput input = room.frame();
+  input.look = &room.look;
   input.world_from_target = geometry::at_pupil(input.world_from_target, lens.pupil_shift_m);
   auto compositor = render::make_cpu_compositor(setup, 2);
   EXPECT_TRUE(compositor) << compositor.error().context;

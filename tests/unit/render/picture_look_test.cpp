@@ -200,5 +200,13 @@ TEST(PictureLook, TapsOfABlurKeepLight) {
   }
 }
 
+TEST(PictureLook, TapsOfABlurHaveItsVariance) {
+  for (const float sigma : {0.1F, 0.2F, 0.3F, 0.5F, 0.8F, 1.2F}) {
+    const auto taps = blur_taps(sigma);
+    EXPECT_NEAR(2 * (taps[1] + 4 * taps[2]), sigma * sigma, 0.01F * sigma * sigma) << sigma;
+    EXPECT_GE(taps[1], taps[2]) << sigma;
+  }
+}
+
 }  // namespace
 }  // namespace mixrig::render

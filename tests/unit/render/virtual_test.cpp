@@ -344,13 +344,13 @@ TEST(Virtual, two_surfaces_of_a_pixel_are_kept_apart) {
   EXPECT_EQ(d.layer.coverage.at(7, 15), 255);
   EXPECT_NEAR(d.layer.w.at(7, 15), 0.5F, 1e-6F);
   EXPECT_NEAR(d.layer.color.at(7, 15).g, 16384, 1) << "of two samples";
-  EXPECT_EQ(d.layer.normal.at(7, 15).w, 2);
+  EXPECT_EQ(d.layer.normal.at(7, 15).w, 2 * render::cpu::kSampleShare);
   const auto others = d.layer.others.row(15);
   ASSERT_EQ(others.size(), 2U) << "pixels 7 and 24";
   EXPECT_EQ(others[0].x, 7);
   EXPECT_NEAR(others[0].w, 1.0F / 3, 1e-6F);
   EXPECT_NEAR(others[0].albedo.g, 16384, 1);
-  EXPECT_EQ(others[0].normal.w, 2);
+  EXPECT_EQ(others[0].normal.w, 2 * render::cpu::kSampleShare);
   EXPECT_EQ(others[1].x, 24);
 }
 

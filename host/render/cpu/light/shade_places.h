@@ -27,12 +27,12 @@ inline glm::vec3 mirroring(const glm::vec3& base, float coverage, GlossBytes glo
          grazing * lane(light.grazing, i);
 }
 
-/// Material of a surface in a pixel, premultiplied by its samples.
+/// Material of a surface in a pixel, premultiplied by its share.
 struct Matter {
   Rgbx16 albedo;
   const GlossBytes* gloss = nullptr;  ///< null if no object is glossy
   const Rgbx16* emission = nullptr;   ///< null if no object emits
-  int samples = 0;
+  int share = 0;                      ///< of the pixel, kWholeShare = 1
 };
 
 /// Colour of a surface, premultiplied like its albedo.
@@ -41,7 +41,7 @@ inline Rgbx16 shaded(const LightInput& input, const Matter& of, const ShadingLan
   if (of.gloss == nullptr) {
     c *= lane(light.diffuse, i);
   } else {
-    const float coverage = kLinearOne / kPixelSamples * static_cast<float>(of.samples);
+    const float coverage = kLinearOne / kWholeShare * static_cast<float>(of.share);
     c = mirroring(c, coverage, *of.gloss, light, i);
   }
   if (of.emission != nullptr)

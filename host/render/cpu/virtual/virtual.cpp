@@ -119,6 +119,8 @@ VirtualScratch::VirtualScratch(const FrameParams& params, Size view_size, int th
                      kVirtualSamples * kBandRows * threads};
   sample_w.reset(samples);
   sample_item.reset(samples);
+  make_layer_image({view_size.width + 2 * kSharpMargin, view_size.height + 2 * kSharpMargin},
+                   sharp);
 }
 
 void draw_virtual(Crew& crew, const FrameParams& params, VirtualScratch& scratch,

@@ -33,6 +33,9 @@ inline constexpr std::array<float, kPixelSamples> kSampleColumn = {kSampleTurn, 
 inline constexpr std::array<float, kPixelSamples> kSampleRow = {-kSampleTurn, kSampleTurn,
                                                                 1 - kSampleTurn, 1 + kSampleTurn};
 
+/// Share of a surface that all samples of a pixel show, and of one that a single sample shows.
+inline constexpr int kWholeShare = 64, kSampleShare = kWholeShare / kPixelSamples;
+
 /// Gloss of a pixel, 255 = 1.
 struct GlossBytes {
   std::uint8_t metallic = 0, roughness = 0, specular = 0, unused = 0;
@@ -71,7 +74,7 @@ class RoomFor {
 struct OtherSurface {
   std::int32_t x;
   float w;              ///< of its nearest sample, 1/m
-  PackedNormal normal;  ///< its w: number of samples
+  PackedNormal normal;  ///< its w: share of the pixel, kWholeShare = 1
   GlossBytes gloss;
   Rgbx16 albedo, emission;  ///< premultiplied by its samples
   Rgbx16 lit;               ///< shaded, without people
@@ -123,7 +126,8 @@ struct VirtualLayer {
   Rect rect;
   Image<std::uint8_t> coverage;  ///< 255 = all
   Image<float> w;                ///< of the nearest sample, 1/m; 0 where not covered
-  Image<PackedNormal> normal;    ///< of the nearest surface, camera axes; its w: number of samples
+  Image<PackedNormal> normal;    ///< of the nearest surface, camera axes; its w: its share of the
+                                 ///< pixel, kWholeShare = 1
   Image<Rgbx16> color;           ///< premultiplied linear albedo; pass light shades it in place
   Image<GlossBytes> gloss;       ///< empty if no object is glossy
   Image<Rgbx16> emission;        ///< premultiplied; empty if no object emits
@@ -140,6 +144,8 @@ void make_layer_image(Size view_size, Image<T>& image) {
   image.reset(view_size);
   give_back_as_zeros(image);
 }
+
+inline constexpr int kSharpMargin = 1;
 
 /// Memory of the pass, reused from frame to frame.
 struct VirtualScratch {
@@ -164,6 +170,7 @@ struct VirtualScratch {
   std::vector<bool> fits;         ///< of each draw: resolve_lanes() can handle its mesh
   Image<float> sample_w;          ///< kBandRows of the view at 2x2 samples, one band a thread
   Image<std::uint32_t> sample_item;
+  Image<std::uint8_t> sharp;  ///< coverage before soften_edges(), with a margin of kSharpMargin
 };
 
 /// Draws all objects into `layer`, whose images have the view's size.

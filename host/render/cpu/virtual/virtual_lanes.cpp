@@ -194,7 +194,7 @@ Sums sums_of(const FrameParams& params, const Samples& samples, const Shown& sho
 class Packed {
  public:
   explicit Packed(const Sums& sums)
-      : normal_(packed_normal(sums.normal) | sums.count << 24),
+      : normal_(packed_normal(sums.normal) | sums.count * kSampleShare << 24),
         albedo_{fixed(sums.albedo.r), fixed(sums.albedo.g), fixed(sums.albedo.b)} {
     const FloatLanes count = max(to_float(sums.count), kZeroLanes + 1.0F);
     for (std::size_t i = 0; i < gloss_.size(); ++i)

@@ -243,7 +243,7 @@ Rgbx16 fixed(F4 sum) {
 PackedNormal packed_normal(const Surface& sum) {
   const glm::vec3 n = glm::round(127.0F * glm::normalize(sum.normal + glm::vec3(0, 0, -1e-6F)));
   return {static_cast<std::int8_t>(n.x), static_cast<std::int8_t>(n.y),
-          static_cast<std::int8_t>(n.z), static_cast<std::int8_t>(sum.count)};
+          static_cast<std::int8_t>(n.z), static_cast<std::int8_t>(sum.count * kSampleShare)};
 }
 GlossBytes gloss_bytes(const Surface& sum) {
   const F4 gloss = sum.gloss / static_cast<float>(sum.count);

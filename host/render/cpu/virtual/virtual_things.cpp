@@ -2,6 +2,7 @@
 #include "host/render/cpu/virtual/virtual_things.h"
 
 #include "host/render/cpu/mix/motion.h"
+#include "host/render/cpu/virtual/soften_edges.h"
 
 namespace mixrig::render::cpu {
 
@@ -52,6 +53,7 @@ void VirtualThings::draw(Crew& crew, MovingBackground* moving, StopWatch& watch)
   grain_.offset = grain_offset(frames_++);
   if (!frame_.pose_changed) return;
   draw_virtual(crew, frame_, scratch_, objects_);
+  soften_edges(crew, look_.edge_tap(), scratch_, objects_);
   drawn_ = true;
   watch.lap(Stage::kVirtual);
   shadow_maps_.resize(frame_.lamps.size());

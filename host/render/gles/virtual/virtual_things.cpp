@@ -20,6 +20,7 @@ Result<VirtualThings> VirtualThings::create(const CompositorSetup& setup, const 
 /// Makes only the passes that the scene needs.
 Result<void> VirtualThings::create_passes(const Tables& tables) {
   MIXRIG_ASSIGN(virtual_, VirtualPass::create(frame_->glossy || frame_->emits));
+  MIXRIG_ASSIGN(edges_, EdgePass::create(tables));
   MIXRIG_ASSIGN(light_, LightPass::create(tables, *setup_));
   light_.set_contacts(*frame_);
   if (!setup_->light.lamps.empty()) {
@@ -28,7 +29,7 @@ Result<void> VirtualThings::create_passes(const Tables& tables) {
   if (!frame_->people_lamps.empty()) {
     MIXRIG_ASSIGN(people_shadow_, PeopleShadowPass::create(tables));
   }
-  if (used_look_.measures()) {
+  if (setup_->look.measures()) {
     MIXRIG_ASSIGN(look_, LookPass::create(tables));
   }
   if (setup_->look.motion) {
@@ -64,6 +65,13 @@ Result<void> VirtualThings::draw(StageTimer& timer) {
   return shadow_.draw(*frame_, meshes_);
 }
 
+/// Shades the objects and softens their edges. `people_maps`: of PeopleShadowPass, else 0.
+void VirtualThings::shade(GLuint people_maps) {
+  light_.shade_virtual(*frame_, virtual_, shadow_.maps(), people_maps);
+  edges_.draw(frame_->virtual_rect, used_look_.edge_tap(), light_.virtual_color(),
+              light_.virtual_w());
+}
+
 Result<void> VirtualThings::light(const Room& room, const KeyPass* key, bool people,
                                   StageTimer& timer) {
   const StageScope stage(timer, Stage::kLight);
@@ -72,7 +80,7 @@ Result<void> VirtualThings::light(const Room& room, const KeyPass* key, bool peo
   if (frame_->pose_changed) {
     if (frame_->room_changed) MIXRIG_TRY(light_.set_room(*frame_));
     light_.set_lamps(*frame_);
-    if (!people_shadow_ || !people) light_.shade_virtual(*frame_, virtual_, shadow_.maps());
+    if (!people_shadow_ || !people) shade(0);
     if (light_map(key) != nullptr && is_lit(room))
       light_.draw_background(*room.light_m(), shadow_.maps(), room.normal());
     else if (light_map(key) != nullptr)
@@ -86,15 +94,14 @@ Result<void> VirtualThings::light(const Room& room, const KeyPass* key, bool peo
       past = {people_shadow_->maps(), room.light_m(), room.normal()};
     light_.draw_people({key->blocks(), key->matte(), key->visible_w()}, shadow_.maps(), past);
   }
-  if (people_shadow_)
-    light_.shade_virtual(*frame_, virtual_, shadow_.maps(), people_shadow_->maps());
+  if (people_shadow_) shade(people_shadow_->maps());
   return {};
 }
 
 void VirtualThings::blur(const std::optional<CameraMotion>& motion) {
-  mixed_color_ = &light_.virtual_color(), mixed_w_ = &light_.virtual_w();
+  mixed_color_ = &edges_.virtual_color(), mixed_w_ = &edges_.virtual_w();
   if (look_ && look_->blurs()) {
-    if (shaded_) look_->draw(frame_->virtual_rect, light_.virtual_color(), light_.virtual_w());
+    if (shaded_) look_->draw(frame_->virtual_rect, *mixed_color_, *mixed_w_);
     mixed_color_ = &look_->virtual_color(), mixed_w_ = &look_->virtual_w();
     shaded_ = false;
   }
@@ -106,8 +113,8 @@ void VirtualThings::blur(const std::optional<CameraMotion>& motion) {
 }
 
 void VirtualThings::add_to(MixInput& input) const {
-  input.virtual_color = mixed_color_ != nullptr ? mixed_color_ : &light_.virtual_color();
-  input.virtual_w = mixed_w_ != nullptr ? mixed_w_ : &light_.virtual_w();
+  input.virtual_color = mixed_color_ != nullptr ? mixed_color_ : &edges_.virtual_color();
+  input.virtual_w = mixed_w_ != nullptr ? mixed_w_ : &edges_.virtual_w();
   if (!look_ || look_->noise() == nullptr) return;
   input.noise = look_->noise();
   input.grain = look_->grain();

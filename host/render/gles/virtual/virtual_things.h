@@ -18,6 +18,7 @@
 #include "host/render/gles/mix/look_pass.h"
 #include "host/render/gles/mix/mix_pass.h"
 #include "host/render/gles/mix/motion_pass.h"
+#include "host/render/gles/virtual/edge_pass.h"
 #include "host/render/gles/virtual/virtual_pass.h"
 
 namespace mixrig::render::gles {
@@ -53,11 +54,13 @@ class VirtualThings {
   VirtualThings(const CompositorSetup& setup, const FrameParams& frame);
   Result<void> create_passes(const Tables& tables);
   bool is_lit(const Room& room) const { return room.light_m() != nullptr && !setup_->backdrop; }
+  void shade(GLuint people_maps);
 
   const CompositorSetup* setup_;
   const FrameParams* frame_;
   std::vector<GpuMesh> meshes_;  // in the order of FrameParams::draws
   VirtualPass virtual_;
+  EdgePass edges_;
   ShadowPass shadow_;
   std::optional<PeopleShadowPass> people_shadow_;
   LightPass light_;
