@@ -51,9 +51,7 @@ vec4 of_tiles(sampler2D tiles, ivec2 at) {
 // around.
 vec3 room_now(ivec2 at, vec3 p, vec3 known) {
   vec3 b = min(shown_now(known), 1.0);
-  if (!has_light) return b;
-  vec3 lit = texelFetch(light, at / block_px, 0).rgb * b;
-  return dot(p - lit, p - lit) < dot(p - b, p - b) ? lit : b;
+  return has_light ? nearer_to(p, b, texelFetch(light, at / block_px, 0).rgb * b) : b;
 }
 
 // Mixes the people's share by the line with their share by both colours, by the latter's

@@ -55,12 +55,10 @@ Room to_learned(vec3 p, vec3 known, float sigma, ivec2 block) {
   vec3 b = min(shown_now(known), 1.0);
   float darkest = deepest_shadow;
   if (is_still) {
-    vec3 lit = texelFetch(light, block, 0).rgb * b;
-    if (dot(p - lit, p - lit) < dot(p - b, p - b)) {
-      // The darkest shadow is relative to the learned light.
-      darkest = min(deepest_shadow * luminance(b) / max(luminance(lit), 1e-4), 1.0);
-      b = lit;
-    }
+    // The darkest shadow is relative to the learned light.
+    float least = deepest_shadow * luminance(b);
+    b = nearer_to(p, b, texelFetch(light, block, 0).rgb * b);
+    darkest = min(least / max(luminance(b), 1e-4), 1.0);
   }
   return to_room(p, b, gain.g * sigma, darkest);
 }

@@ -13,3 +13,8 @@ float variance_of(vec3 mean, float square_sum, float count) {
   float spread = (square_sum / max(count, 1.0) - dot(mean, mean)) / 3.0;
   return max(0.0, spread) + floor_variance(mean);
 }
+
+// Whichever of two colours is nearer to p; a where both are as far.
+vec3 nearer_to(vec3 p, vec3 a, vec3 b) {
+  return dot(p - b, p - b) < dot(p - a, p - a) ? b : a;
+}

@@ -41,6 +41,10 @@ TEST_P(StudioRun, MeetsTheBoundsOfTheMainJob) {
   const auto& error = report.at("error");
   EXPECT_GE(error.at("key_iou").get<double>(), row.least_key_iou);
   EXPECT_LE(error.at("order_wrong_pct").get<double>(), 2.0);
+  // Connected wrong pieces, a frame: who stands behind an object does not shine through it.
+  const auto& scraps = error.at("scraps");
+  EXPECT_LE(scraps.at("person_through_object").get<double>(), 0.2);
+  EXPECT_LE(scraps.at("specks").get<double>(), 10);
   EXPECT_LE(error.at("light_rmse").get<double>(), 0.06);
   EXPECT_LE(error.at("light_shadow_rmse").get<double>(), kMostShadowRmse);
   EXPECT_LE(error.at("depth_bad_pct").get<double>(), 6.0);

@@ -26,6 +26,14 @@ inline FloatLanes dot(const ColorLanes& a, const ColorLanes& b) {
   return a.r * b.r + a.g * b.g + a.b * b.b;
 }
 
+/// Whichever of two colours is nearer to p; a where both are as far.
+inline ColorLanes nearer_to(const ColorLanes& p, const ColorLanes& a, const ColorLanes& b) {
+  const ColorLanes off_a{p.r - a.r, p.g - a.g, p.b - a.b};
+  const ColorLanes off_b{p.r - b.r, p.g - b.g, p.b - b.b};
+  const IntLanes is_b = dot(off_b, off_b) < dot(off_a, off_a);
+  return {is_b ? b.r : a.r, is_b ? b.g : a.g, is_b ? b.b : a.b};
+}
+
 /// Learned light mapped by the current tone curve, at most 1.
 inline ColorLanes shown_now(const ToneCurve& tone, const ColorLanes& learned) {
   constexpr FloatLanes kOne = FloatLanes{} + 1;

@@ -56,16 +56,10 @@ RoomDistance to_learned(const KeyInput& input, const ColorLanes& p, const ColorL
   ColorLanes b = shown_now(input.tone, learned);
   FloatLanes darkest = FloatLanes{} + kDeepestShadow;
   if (input.finds_light()) {
-    const ColorLanes lit{here.r * b.r, here.g * b.g, here.b * b.b};
-    const ColorLanes off{p.r - b.r, p.g - b.g, p.b - b.b};
-    const ColorLanes off_lit{p.r - lit.r, p.g - lit.g, p.b - lit.b};
-    const IntLanes nearer = dot(off_lit, off_lit) < dot(off, off);
     // The darkest shadow is relative to the learned light.
     const FloatLanes least = kDeepestShadow * luminance(b);
-    const FloatLanes of_lit =
-        min(least / max(luminance(lit), FloatLanes{} + 1e-4F), FloatLanes{} + 1);
-    darkest = nearer ? of_lit : darkest;
-    b = {nearer ? lit.r : b.r, nearer ? lit.g : b.g, nearer ? lit.b : b.b};
+    b = nearer_to(p, b, {here.r * b.r, here.g * b.g, here.b * b.b});
+    darkest = min(least / max(luminance(b), FloatLanes{} + 1e-4F), FloatLanes{} + 1);
   }
   RoomDistance room = to_room(input, p, b, input.tone.gain.g * sigma, darkest);
   room.most = learned.r < 0 ? FloatLanes{} : room.most;  // an unknown colour does not vote

@@ -143,10 +143,7 @@ FloatLanes share_of_colors(const KeyInput& input, const RoomLight& light, const 
   const ColorLanes learned = color_lanes(input.background.color.row(y), x, width);
   const ColorLanes now = shown_now(input.tone, learned), here = light.at(x, y / kBlockPx);
   const ColorLanes lit{here.r * now.r, here.g * now.g, here.b * now.b};
-  const ColorLanes off_now{p.r - now.r, p.g - now.g, p.b - now.b};
-  const ColorLanes off_lit{p.r - lit.r, p.g - lit.g, p.b - lit.b};
-  const IntLanes nearer = dot(off_lit, off_lit) < dot(off_now, off_now);
-  const ColorLanes b{nearer ? lit.r : now.r, nearer ? lit.g : now.g, nearer ? lit.b : now.b};
+  const ColorLanes b = nearer_to(p, now, lit);
   const FloatLanes over = 1 / max(line[4], kNone + kShareLeast);
   const ColorLanes root{line[5] * over, line[6] * over, line[7] * over};
   const ColorLanes f{root.r * root.r, root.g * root.g, root.b * root.b};
