@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "hal/base/order_statistics.h"
+#include "host/calibrate/rig/mounting.h"
 #include "host/calibrate/rig/rig_lens.h"
 
 namespace mixrig::calibration {
@@ -17,27 +18,13 @@ constexpr double kBadStartView = 8, kTypical_px = 0.1;
 Error data_error(const std::string& what) { return {ErrorCode::kData, what}; }
 
 /// Rotation vectors of a camera's views must differ, or lens and poses cannot be separated.
-double spread_rad(const RigModel& single, const std::vector<int>& views) {
+double spread_rad(const ViewSet& set, const RigModel& single, const std::vector<int>& views) {
   double widest = 0;
   for (const int a : views)
     for (const int b : views)
-      widest = std::max(widest, single.target_from_board[a].rotation.angularDistance(
-                                    single.target_from_board[b].rotation));
+      widest = std::max(
+          widest, angle_between(set, single.target_from_board[a], single.target_from_board[b]));
   return widest;
-}
-
-/// The pose with the least sum of distances to the others.
-geometry::Pose middle_of(const std::vector<geometry::Pose>& poses) {
-  std::size_t best = 0;
-  double least = 1e300;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    double sum = 0;
-    for (const geometry::Pose& other : poses)
-      sum += (poses[i].translation_m - other.translation_m).norm() +
-             poses[i].rotation.angularDistance(other.rotation);
-    if (sum < least) least = sum, best = i;
-  }
-  return poses[best];
 }
 
 /// Removes a camera's views that contradict its mounting: there the finder shifted the board by a
@@ -109,7 +96,7 @@ Result<RigModel> start_rig(RigData& data, Crew& crew) {
     auto single = solve_lens(data, c, crew);
     if (!single) return single.error();
     views = seen_by(data, c);
-    if (spread_rad(*single, views) < 0.15)
+    if (spread_rad(data.set, *single, views) < 0.15)
       return data_error("all views of " + who +
                         " are alike: tilt the board by 20 to 40 degrees, to all sides");
     model.cameras.push_back(single->cameras[0]);
@@ -121,17 +108,8 @@ Result<RigModel> start_rig(RigData& data, Crew& crew) {
     placed[view] = true;
   }
   for (std::size_t c = 1; c < model.cameras.size(); ++c) {
-    std::vector<geometry::Pose> mounting;
-    const std::vector<int> views = seen_by(data, c);
-    for (const int view : views)
-      if (!data.corners[view][0].empty())
-        mounting.push_back(singles[c].target_from_board[view] *
-                           geometry::inverse(singles[0].target_from_board[view]));
-    if (mounting.size() < 3)
-      return data_error("cameras \"" + model.cameras[0].name + "\" and \"" + model.cameras[c].name +
-                        "\" share " + std::to_string(mounting.size()) +
-                        " views of the board, but 3 are needed: hold it where both see it");
-    model.cameras[c].camera_from_target = middle_of(mounting);
+    MIXRIG_ASSIGN(model.cameras[c].camera_from_target,
+                  find_mounting(data, model, placed, c, singles[c]));
     drop_contradicting(data, model, c);
     for (const int view : seen_by(data, c))
       if (!placed[view]) {

@@ -10,8 +10,8 @@ namespace mixrig::calibration {
 
 /// Finds lenses, mounting and the board's poses, each good enough to start the joint solution from.
 /// Removes false detections from `data`. Errors: kData where a camera sees the board too rarely or
-/// always in the same way, where no view is shared with the target camera, or where a lens cannot
-/// be found.
+/// always in the same way, where no view is shared with the target camera, where a lens cannot be
+/// found, or where a board that looks the same upside down leaves the mounting open.
 Result<RigModel> start_rig(RigData& data, Crew& crew);
 
 /// Root mean square distance (px) of one camera's corners over views, and their number.
