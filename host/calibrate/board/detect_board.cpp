@@ -7,10 +7,10 @@
 #include <numeric>
 
 #include <opencv2/aruco.hpp>
-#include <opencv2/aruco/charuco.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "host/calibrate/board/find_charuco.h"
 #include "host/calibrate/board/refine_corners.h"
 
 namespace mixrig::calibration {
@@ -58,23 +58,59 @@ double brightness(const cv::Mat& image, const cv::Point2f& at) {
   return (box & whole).empty() ? 0 : cv::mean(image(box & whole))[0];
 }
 
+/// Corners of a checkerboard in rows.
+struct Grid {
+  int columns = 0, rows = 0;
+  Points px;
+
+  const cv::Point2f& at(int c, int r) const {
+    return px[static_cast<std::size_t>(r * columns + c)];
+  }
+};
+
+/// True where the field at corners 0 and 1 of both directions, and every second one, is lighter.
+bool is_first_field_white(const cv::Mat& image, const Grid& grid) {
+  double sum[2] = {0, 0};
+  int count[2] = {0, 0};
+  for (int r = 0; r + 1 < grid.rows; ++r)
+    for (int c = 0; c + 1 < grid.columns; ++c) {
+      const cv::Point2f middle =
+          (grid.at(c, r) + grid.at(c + 1, r) + grid.at(c, r + 1) + grid.at(c + 1, r + 1)) / 4;
+      sum[(c + r) % 2] += brightness(image, middle);
+      ++count[(c + r) % 2];
+    }
+  return sum[0] * count[1] > sum[1] * count[0];
+}
+
+/// Turns a square grid by a quarter.
+void turn_by_a_quarter(Grid& grid) {
+  const Grid old = grid;
+  for (int r = 0; r < grid.rows; ++r)
+    for (int c = 0; c < grid.columns; ++c)
+      grid.px[static_cast<std::size_t>(r * grid.columns + c)] = old.at(r, grid.columns - 1 - c);
+}
+
 /// Turns the grid so that columns and rows are right-handed (x, y down), and so that the first
-/// field is dark; where both ends look alike, corner 0 is the upper or left one.
-void make_order_canonical(const cv::Mat& image, int columns, int rows, Points& p) {
-  const auto at = [&](int c, int r) -> const cv::Point2f& {
-    return p[static_cast<std::size_t>(r * columns + c)];
-  };
-  const auto across = at(columns - 1, 0) - at(0, 0), down = at(0, rows - 1) - at(0, 0);
+/// field is dark where a turn can make it so; where both ends look alike, corner 0 is the upper or
+/// left one. Returns whether the first field is white nevertheless.
+bool make_order_canonical(const cv::Mat& image, Grid& grid) {
+  Points& p = grid.px;
+  const auto across = grid.at(grid.columns - 1, 0) - grid.at(0, 0);
+  const auto down = grid.at(0, grid.rows - 1) - grid.at(0, 0);
   if (across.cross(down) < 0)
-    for (int r = 0; r < rows; ++r)
-      std::reverse(p.begin() + r * columns, p.begin() + (r + 1) * columns);
-  const auto field = [&](int c, int r) {
-    return brightness(image, (at(c, r) + at(c + 1, r) + at(c, r + 1) + at(c + 1, r + 1)) / 4);
-  };
-  const bool distinct = (columns + rows) % 2 == 1;
-  const bool turned =
-      distinct ? field(0, 0) > field(1, 0) : p.front().y + p.front().x > p.back().y + p.back().x;
-  if (turned) std::reverse(p.begin(), p.end());
+    for (int r = 0; r < grid.rows; ++r)
+      std::reverse(p.begin() + r * grid.columns, p.begin() + (r + 1) * grid.columns);
+  bool white = is_first_field_white(image, grid);
+  if ((grid.columns + grid.rows) % 2 == 1) {
+    if (white) std::reverse(p.begin(), p.end());
+    return false;
+  }
+  if (white && grid.columns == grid.rows && grid.columns % 2 == 1) {
+    turn_by_a_quarter(grid);
+    white = false;
+  }
+  if (p.front().y + p.front().x > p.back().y + p.back().x) std::reverse(p.begin(), p.end());
+  return white;
 }
 
 BoardView view_of(const std::vector<int>& ids, const Points& px) {
@@ -88,27 +124,13 @@ std::optional<BoardView> rough_checkerboard(const cv::Mat& image, const BoardSpe
                                             Search search) {
   auto corners = find_checkerboard(image, {board.columns, board.rows}, search);
   if (!corners) return std::nullopt;
-  make_order_canonical(image, board.columns, board.rows, *corners);
-  std::vector<int> ids(corners->size());
+  Grid grid{board.columns, board.rows, std::move(*corners)};
+  const bool white = make_order_canonical(image, grid);
+  std::vector<int> ids(grid.px.size());
   std::iota(ids.begin(), ids.end(), 0);
-  return view_of(ids, *corners);
-}
-
-std::optional<BoardView> rough_charuco(const cv::Mat& image, const BoardSpec& board,
-                                       int dictionary) {
-  const auto known = cv::aruco::getPredefinedDictionary(dictionary);
-  const auto charuco =
-      cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square_m),
-                                      static_cast<float>(board.marker_m), known);
-  std::vector<Points> markers;
-  std::vector<int> marker_ids;
-  cv::aruco::detectMarkers(image, known, markers, marker_ids);
-  if (marker_ids.empty()) return std::nullopt;
-  Points corners;
-  std::vector<int> ids;
-  cv::aruco::interpolateCornersCharuco(markers, marker_ids, image, charuco, corners, ids);
-  if (ids.empty()) return std::nullopt;
-  return view_of(ids, corners);
+  BoardView view = view_of(ids, grid.px);
+  view.first_is_white = white;
+  return view;
 }
 
 /// OpenCV's first corner of a tag depends on the orientation of the dictionary: the one of four
@@ -217,7 +239,7 @@ Result<std::optional<BoardView>> detect_board(ImageView<const std::uint8_t> imag
         return Error{ErrorCode::kUsage, "board: there is no marker dictionary '" +
                                             board.dictionary +
                                             "': use OpenCV's name without DICT_, as 5X5_250"};
-      rough = rough_charuco(mat, board, *dictionary);
+      rough = find_charuco(mat, board, *dictionary);
     } else {
       rough = board.kind == BoardKind::kAprilgrid ? rough_aprilgrid(mat, board)
                                                   : rough_checkerboard(mat, board, search);
@@ -232,6 +254,7 @@ Result<std::optional<BoardView>> detect_board(ImageView<const std::uint8_t> imag
   }
   if (!rough) return std::optional<BoardView>();
   BoardView view = refine_corners(image, board, *rough);
+  view.first_is_white = rough->first_is_white;
   sort_by_id(view);
   constexpr std::size_t kFewest = 6;
   return view.ids.size() < kFewest ? std::optional<BoardView>() : std::optional(std::move(view));

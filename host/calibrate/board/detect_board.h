@@ -20,6 +20,10 @@ struct BoardView {
   double blur_px = 0;               ///< median standard deviation of the corners' blur
   double contrast = 0;              ///< median, grey levels from black to white
   double sigma_px = 0;              ///< median of CornerFit::sigma_px
+  /// The top left square is white: a ChArUco board of OpenCV's layout before 4.6 with an even
+  /// number of rows, or a checkerboard that looks the same upside down. nullopt: this picture does
+  /// not tell.
+  std::optional<bool> first_is_white = false;
 };
 
 /// How a corner is refined to sub-pixel accuracy.
@@ -35,10 +39,12 @@ enum class Search {
 };
 
 /// Finds the board; nullopt where it is not seen. A checkerboard must be seen completely; ChArUco
-/// boards and AprilGrids may be seen in part. Corners that cannot be refined are left out. The
-/// order of a checkerboard's corners is the same from every side if one of columns and rows is odd
-/// and the other even (the square between corners 0 and 1 is dark); else it depends on the picture.
-/// Thread-safe. Errors: kUsage for an unknown dictionary.
+/// boards and AprilGrids may be seen in part. The layout of a ChArUco board is found out; where it
+/// is not told (BoardView::first_is_white), today's is taken, and the corners may be those of the
+/// next column. Corners that cannot be refined are left out. The order of a checkerboard's corners
+/// is the same from every side if one of columns and rows is odd and the other even (the square
+/// between corners 0 and 1 is dark); else it depends on the picture. Thread-safe. Errors: kUsage
+/// for an unknown dictionary.
 Result<std::optional<BoardView>> detect_board(ImageView<const std::uint8_t> image,
                                               const BoardSpec& board,
                                               Refinement refinement = Refinement::kModel,

@@ -109,7 +109,7 @@ bool solve(Bundle& bundle, double huber_px, Precision precision) {
   options.max_trust_region_radius = 1e9;
   options.num_threads = 1;  // the sums' order, and so every bit, stays the same
   options.logging_type = ceres::SILENT;
-  FLAGS_minloglevel = google::GLOG_ERROR;  // a step that fails is tried again with more damping
+  FLAGS_minloglevel = google::GLOG_FATAL;  // the caller says in its own words what failed
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   return summary.IsSolutionUsable() && bundle.intrinsics.allFinite();

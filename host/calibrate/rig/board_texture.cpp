@@ -66,7 +66,7 @@ const std::uint8_t* marker_at(const BoardPrint& print, const Eigen::Vector2d& uv
                               int& row) {
   column = static_cast<int>(std::floor(uv.x())), row = static_cast<int>(std::floor(uv.y()));
   if (print.marker_cells == 0 || column < 0 || row < 0 || column >= print.columns ||
-      row >= print.rows || (column + row) % 2 == 0)
+      row >= print.rows || is_black(print, column, row))
     return nullptr;
   const auto id = static_cast<std::size_t>((row * print.columns + column) / 2);
   const auto cells = static_cast<std::size_t>(print.marker_cells * print.marker_cells);
@@ -106,7 +106,7 @@ InkShare ink_under(const BoardPrint& print, const Eigen::Vector2d& uv,
   const Lines v = lines_of(uv.y(), sigma.y(), print.rows);
   InkShare share;
   add_product(share, 0.5, u.inside, v.inside, cross);
-  add_product(share, 0.5, u.sign, v.sign, cross);
+  add_product(share, print.first_is_white ? -0.5 : 0.5, u.sign, v.sign, cross);
   add_marker(share, print, uv, sigma, cross);
   return share;
 }
@@ -117,10 +117,8 @@ bool is_plain(const BoardPrint& print, const Eigen::Vector2d& uv, const Eigen::V
   if (near_line(uv.x(), reach.x()) || near_line(uv.y(), reach.y())) return false;
   int column = 0, row = 0;
   const std::uint8_t* cells = marker_at(print, uv, column, row);
-  ink = (column + row) % 2 == 0 && column >= 0 && row >= 0 && column < print.columns &&
-                row < print.rows
-            ? 1
-            : 0;
+  const bool inside = column >= 0 && row >= 0 && column < print.columns && row < print.rows;
+  ink = inside && is_black(print, column, row) ? 1 : 0;
   if (cells == nullptr) return true;
   const double border = 0.5 * (1 - print.marker);
   const double u = (uv.x() - column - border) / print.marker,

@@ -10,13 +10,19 @@
 namespace mixrig::calibration {
 
 /// A printed board in its own axes: u to the right, v down, origin at the outer corner of the first
-/// square, which is black. Lengths in squares.
+/// square. Lengths in squares. White squares of a ChArUco board hold the markers.
 struct BoardPrint {
   int columns = 0, rows = 0;      ///< squares
+  bool first_is_white = false;    ///< the first square is white; else black
   double marker = 0;              ///< side of a ChArUco marker in squares; 0 for a checkerboard
   int marker_cells = 0;           ///< across a marker, its black border counted
   std::vector<std::uint8_t> ink;  ///< markers cell by cell, one marker after the other: 1 = black
 };
+
+/// True where a square of the print is black.
+inline bool is_black(const BoardPrint& print, int column, int row) {
+  return ((column + row) % 2 == 0) != print.first_is_white;
+}
 
 /// Share of ink under a footprint and its derivatives.
 struct InkShare {

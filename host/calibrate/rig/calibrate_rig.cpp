@@ -336,6 +336,7 @@ Result<RigReport> calibrate_rig(const ViewSet& set, const RigOptions& options,
   report.load_s = watch.seconds();
   MIXRIG_ASSIGN(RigModel model, start_rig(data, crew));
   report.misfound = data.misfound;
+  report.first_is_white = data.print.first_is_white;
   const std::vector<int> views = all_seen(data), held = hold_out(data);
   const Split split{views, without(views, held), model.cameras.size() > 1 ? held : Views{}};
   const bool bend = options.bend || is_bent(data, model, views, report, crew);

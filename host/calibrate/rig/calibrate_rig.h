@@ -35,6 +35,7 @@ struct HeldOut {
 
 struct RigReport {
   RigModel by_corners, model;
+  bool first_is_white = false;     ///< the board's top left square
   std::vector<Misfound> misfound;  ///< false detections of each camera
   std::vector<HeldOut> held_out;
   double load_s = 0, corners_s = 0, pixels_s = 0;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "hal/base/left_partial.h"
 #include "hal/base/thread_priority.h"
 #include "host/math/config/writer.h"
 
@@ -38,7 +39,7 @@ void CompositeRecorder::change_state(Change&& change) {
 std::string CompositeRecorder::free_name() const {
   for (int i = 1;; ++i) {
     const std::string name = "take " + std::to_string(i);
-    if (!fs::exists(folder_ / name)) return name;
+    if (!fs::exists(folder_ / name) && !has_left_partial(folder_ / name)) return name;
   }
 }
 
@@ -69,6 +70,7 @@ Result<void> CompositeRecorder::open(const std::string& name) {
   const fs::path wanted = folder_ / name;
   if (fs::exists(wanted))
     return Error{ErrorCode::kUsage, wanted.string() + " exists: give another name"};
+  MIXRIG_TRY(refuse_left_partial(wanted));
   std::error_code code;
   fs::create_directories(folder_, code);
   PartialPath path(wanted);

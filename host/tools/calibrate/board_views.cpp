@@ -84,6 +84,7 @@ Error no_board(const std::vector<std::string>& images, const BoardSpec& board) {
 Result<BoardViews> collect_views(const std::vector<std::string>& images, const BoardSpec& board) {
   BoardViews all;
   const auto seen = look_at_all(images, board, all.brightest);
+  int older = 0, today = 0;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const std::string name = fs::path(images[i]).filename().string();
     if (seen[i].error) return *seen[i].error;
@@ -96,11 +97,14 @@ Result<BoardViews> collect_views(const std::vector<std::string>& images, const B
                                          ", the first picture " + text(all.size_px) +
                                          ": give the pictures of one camera"};
     }
-    if (seen[i].board)
-      all.views.push_back({name, *seen[i].board});
-    else
+    if (!seen[i].board) {
       all.without.push_back(name);
+      continue;
+    }
+    all.views.push_back({name, *seen[i].board});
+    if (const auto white = seen[i].board->first_is_white) ++(*white ? older : today);
   }
+  all.older_layout = board.kind == calibration::BoardKind::kCharuco && older > today;
   if (all.views.empty()) return no_board(images, board);
   return all;
 }

@@ -14,6 +14,7 @@ struct BoardViews {
   std::vector<calibration::ObservedView> views;
   std::vector<std::string> without;         ///< names of the pictures that do not show the board
   calibration::BrightestPicture brightest;  ///< of all pictures
+  bool older_layout = false;  ///< ChArUco: most pictures that tell show OpenCV's older layout
 };
 
 /// Finds the board in every picture, with a progress bar. Errors: those of reading; kData where

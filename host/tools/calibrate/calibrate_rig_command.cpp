@@ -75,6 +75,7 @@ json report_of(const calibration::RigReport& report) {
            {"held_out", held_out},
            {"seconds",
             {{"load", report.load_s}, {"corners", report.corners_s}, {"pixels", report.pixels_s}}},
+           {"first_square", report.first_is_white ? "white" : "black"},
            {"bend_mm", 1000 * report.model.bend.norm()},
            {"warnings", report.warnings}};
   if (report.depth) out["depth_error"] = to_json(*report.depth);
@@ -82,6 +83,7 @@ json report_of(const calibration::RigReport& report) {
 }
 
 void print(const calibration::RigReport& report) {
+  if (report.first_is_white) std::printf("the board's top left square is white\n");
   std::printf("%-10s %10s %9s %9s %8s %8s\n", "camera", "f px", "corners", "pixels", "blur",
               "views");
   for (std::size_t c = 0; c < report.model.cameras.size(); ++c) {

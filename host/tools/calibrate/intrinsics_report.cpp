@@ -127,6 +127,7 @@ nlohmann::json report_of(const std::string& camera, const BoardViews& all, const
           {"model", name_of(kind)},
           {"lens_terms", in.lens_terms},
           {"size_px", {all.size_px.width, all.size_px.height}},
+          {"older_layout", all.older_layout},
           {"parameters", parameters},
           {"rms_px", in.rms_px},
           {"sigma_px", in.sigma_px},
@@ -156,6 +157,8 @@ void print(const std::string& camera, const BoardViews& all, const Intrinsics& i
            const std::vector<std::string>& why) {
   const auto names = geometry::parameter_names(geometry::kind_of(in.camera));
   const Eigen::VectorXd values = geometry::parameters_of(in.camera);
+  if (all.older_layout)
+    std::printf("board         in OpenCV's layout before 4.6: the top left square is white\n");
   std::printf("camera        %s, %s, %dx%d, %d lens terms\n", camera.c_str(),
               std::string(name_of(geometry::kind_of(in.camera))).c_str(), all.size_px.width,
               all.size_px.height, in.lens_terms);

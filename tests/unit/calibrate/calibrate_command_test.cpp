@@ -85,6 +85,35 @@ TEST(CalibrateIntrinsics, WritesTheCameraReportAndPicture) {
     fs::remove(take.path(name));
 }
 
+TEST(CalibrateIntrinsics, FindsACharucoOfTheOlderLayoutAndSaysSo) {
+  const TinyTake take;
+  const auto board = *calibration::parse_board("charuco:9x6:25mm:18.75mm:5X5_250");
+  DrawnCamera camera;
+  camera.k = 0;
+  const auto poses = varied_poses(board, kViews, 4, 0.45);
+  for (const bool older : {false, true}) {
+    for (int i = 0; i < kViews; ++i) {
+      DrawnLook look;
+      look.first_is_white = older;
+      const auto image = draw_board(board, camera, poses[static_cast<std::size_t>(i)], look,
+                                    static_cast<unsigned>(i));
+      ASSERT_TRUE(
+          image_io::write_png(take.path("view" + std::to_string(i + 1) + ".png"), image.view()));
+    }
+    const Outcome done = take.mixrig(
+        "calibrate intrinsics view?.png --board charuco:9x6:25mm:18.75mm:5X5_250 --lens 2 "
+        "--json r.json");
+    ASSERT_EQ(done.status, 0) << done.err;
+    EXPECT_EQ(done.err, "");
+    EXPECT_EQ(done.out.find("layout before 4.6") != std::string::npos, older) << done.out;
+    const auto report = nlohmann::json::parse(take.text_of("r.json"));
+    EXPECT_EQ(report["older_layout"], older);
+    EXPECT_NEAR(report["parameters"]["fx"]["value"], 520, 0.5);
+    EXPECT_GT(report["points"], 0.8 * kViews * 40);
+    fs::remove(take.path("r.json"));
+  }
+}
+
 TEST(CalibrateIntrinsics, TellsWhichViewsItDoesNotUse) {
   const TinyTake& take = folder();
   const Outcome done = take.mixrig("calibrate intrinsics view?.png blurred.png half.png" +

@@ -49,6 +49,56 @@ TEST(DetectBoard, FindsEveryKindWithItsIds) {
   }
 }
 
+/// Finds a board that is printed in one of the layouts, and compares it with where it really is.
+std::optional<BoardView> found_as_printed(const char* text, bool older, const Vector3d& turn,
+                                          const Vector3d& middle_m) {
+  const BoardSpec board = *parse_board(text);
+  const test::DrawnCamera camera;
+  test::DrawnLook look;
+  look.first_is_white = older;
+  const auto pose = test::board_pose(board, turn, middle_m);
+  const auto view = detect_board(test::draw_board(board, camera, pose, look, 5), board);
+  EXPECT_TRUE(view && *view) << text << " " << turn.transpose();
+  if (!view || !*view) return std::nullopt;
+  EXPECT_EQ((*view)->first_is_white, older) << text << " " << turn.transpose();
+  EXPECT_LT(worst_px(**view, test::true_px(board, camera, pose)), 0.25)
+      << text << " " << turn.transpose();
+  return *view;
+}
+
+TEST(DetectBoard, TellsTheLayoutsOfACharucoApart) {
+  for (const char* text : {"charuco:9x6:30mm:20mm:5X5_250", "charuco:8x6:30mm:22mm:5X5_250",
+                           "charuco:7x6:30mm:20mm:5X5_250", "charuco:5x8:25mm:18mm:5X5_250"})
+    for (const bool older : {false, true})
+      for (const Vector3d& turn : {Vector3d(0.4, -0.2, 0.1), Vector3d(-0.3, 0.4, 2.9)}) {
+        const auto view = found_as_printed(text, older, turn, {0.01, 0, 0.42});
+        const BoardSpec board = *parse_board(text);
+        ASSERT_TRUE(view);
+        EXPECT_GE(view->ids.size(), 0.9 * (board.columns - 1) * (board.rows - 1)) << text;
+      }
+  // An odd number of rows has one layout.
+  EXPECT_TRUE(found_as_printed("charuco:8x5:30mm:20mm:5X5_250", false, {0.2, 0.1, 0}, {0, 0, 0.4}));
+}
+
+TEST(DetectBoard, DoesNotGuessTheLayoutWhereOnlyTheMiddleOfAnOddCharucoIsSeen) {
+  const test::DrawnCamera camera;
+  const BoardSpec board = *parse_board("charuco:15x6:30mm:22mm:5X5_250");
+  const auto pose = test::board_pose(board, {0.1, 0.1, 0}, {0, 0, 0.22});
+  for (const bool older : {false, true}) {
+    test::DrawnLook look;
+    look.first_is_white = older;
+    const auto view = detect_board(test::draw_board(board, camera, pose, look, 5), board);
+    ASSERT_TRUE(view && *view);
+    EXPECT_FALSE((*view)->first_is_white);  // no value
+    auto truth = test::true_px(board, camera, pose);
+    if (older) truth.insert(truth.begin(), truth.front());  // ids count from the column before
+    EXPECT_LT(worst_px(**view, truth), 0.25);
+  }
+  // Even columns are told by any two rows.
+  EXPECT_TRUE(
+      found_as_printed("charuco:14x6:30mm:22mm:5X5_250", true, {0.1, 0.1, 0}, {0, 0, 0.22}));
+}
+
 TEST(DetectBoard, KeepsTheOrderOfACheckerboardUpsideDown) {
   const BoardSpec board = *parse_board("checkerboard:9x6:25mm");
   const test::DrawnCamera camera;

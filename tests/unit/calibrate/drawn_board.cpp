@@ -20,7 +20,8 @@ namespace {
 /// a ChArUco or of tag 0's row and column, from point 0 for a checkerboard.
 class Face {
  public:
-  explicit Face(const BoardSpec& board) : board_(board) {
+  Face(const BoardSpec& board, bool first_is_white)
+      : board_(board), black_(first_is_white ? 1 : 0) {
     if (board.kind == BoardKind::kCharuco) read_markers(cv::aruco::DICT_5X5_250, 1);
     if (board.kind == BoardKind::kAprilgrid) read_markers(cv::aruco::DICT_APRILTAG_36h11, 2);
   }
@@ -51,7 +52,7 @@ class Face {
     const int c = static_cast<int>(std::floor(x_m / board_.square_m)),
               r = static_cast<int>(std::floor(y_m / board_.square_m));
     const bool inside = c >= -1 && r >= -1 && c < board_.columns && r < board_.rows;
-    return inside && (c + r) % 2 == 0 ? 0 : 1;
+    return inside && std::abs(c + r) % 2 == black_ ? 0 : 1;
   }
   /// Cell of a marker whose top left corner is the origin; sides run from 0 to 1.
   double marker(int id, double x, double y) const {
@@ -60,12 +61,12 @@ class Face {
     return markers_[static_cast<std::size_t>(id)].at<unsigned char>(r, c) > 0 ? 1 : 0;
   }
   double charuco(double x_m, double y_m) const {
-    // Point 0 is the inner corner of the first square, which is black; markers stand in white
-    // squares and count row by row.
+    // Point 0 is the inner corner of the first square; markers stand in white squares and count row
+    // by row.
     const double x = x_m / board_.square_m + 1, y = y_m / board_.square_m + 1;
     const int c = static_cast<int>(std::floor(x)), r = static_cast<int>(std::floor(y));
     if (c < 0 || r < 0 || c >= board_.columns || r >= board_.rows) return 1;
-    if ((c + r) % 2 == 0) return 0;
+    if ((c + r) % 2 == black_) return 0;
     const int before = (r * board_.columns + c) / 2;
     const double side = board_.marker_m / board_.square_m, margin = (1 - side) / 2;
     const double u = (x - c - margin) / side, v = (y - r - margin) / side;
@@ -86,6 +87,7 @@ class Face {
   }
 
   BoardSpec board_;
+  int black_;  ///< column + row of a black square, modulo 2
   std::vector<cv::Mat> markers_;
   int cells_ = 0;
 };
@@ -108,7 +110,7 @@ Vector2d DrawnCamera::project(const Vector3d& p) const {
 Image<std::uint8_t> draw_board(const BoardSpec& board, const DrawnCamera& camera,
                                const geometry::Pose& camera_from_board, const DrawnLook& look,
                                unsigned seed) {
-  const Face face(board);
+  const Face face(board, look.first_is_white);
   const Eigen::Matrix3d rotation = camera_from_board.rotation.toRotationMatrix();
   Eigen::Matrix3d plane;
   plane << rotation.leftCols<2>(), camera_from_board.translation_m;

@@ -26,7 +26,8 @@ struct DrawnLook {
   double blur_px = 0.6;  ///< Gaussian blur, in addition to the pixel's area
   double noise = 2;      ///< grey levels
   double black = 30, white = 210;
-  double shading = 0.3;  ///< fall of the light from the left to the right
+  double shading = 0.3;         ///< fall of the light from the left to the right
+  bool first_is_white = false;  ///< the top left square of a checkerboard or ChArUco; else black
 };
 
 Image<std::uint8_t> draw_board(const calibration::BoardSpec& board, const DrawnCamera& camera,

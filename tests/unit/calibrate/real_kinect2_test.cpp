@@ -125,7 +125,8 @@ TEST(Kinect2, BothTogetherGiveThePublishedMounting) {
       color.views[0].camera_from_board * geometry::inverse(ir.views[0].camera_from_board);
 
   const SeenCorners corners = both_cameras(ir_views, color_views);
-  const BoardPrint print{6, 8, 0, 0, {}};
+  BoardPrint print;
+  print.columns = 6, print.rows = 8;
   std::vector<int> views;
   for (int v = 0; v < 9; ++v) views.push_back(v);
   Crew crew(1);

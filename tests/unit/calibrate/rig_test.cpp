@@ -98,6 +98,30 @@ TEST(BoardTexture, derivatives_are_those_of_its_value) {
   }
 }
 
+TEST(BoardTexture, with_a_white_first_square_is_the_other_print_shifted_by_a_square) {
+  const Eigen::Matrix2d covariance = 0.002 * Eigen::Matrix2d::Identity();
+  for (const bool charuco : {false, true}) {
+    ViewSet set = set_of(charuco);
+    set.columns = 9, set.rows = 6;  // an odd number of columns: the same markers, one square apart
+    const auto black_first = print_of(set);
+    ASSERT_TRUE(black_first);
+    BoardPrint white_first = *black_first;
+    white_first.first_is_white = true;
+    for (double u = 0.3; u < 7.5; u += 0.37)
+      for (double v = 0.3; v < 5.8; v += 0.41) {
+        const Eigen::Vector2d uv(u, v), next(u + 1, v);
+        const InkShare at = ink_under(white_first, uv, covariance);
+        const InkShare there = ink_under(*black_first, next, covariance);
+        EXPECT_NEAR(at.ink, there.ink, 1e-9) << uv.transpose();
+        EXPECT_LT((at.d_uv - there.d_uv).norm(), 1e-9) << uv.transpose();
+        double ink = 0, ink_there = 0;
+        EXPECT_EQ(is_plain(white_first, uv, {0.1, 0.1}, ink),
+                  is_plain(*black_first, next, {0.1, 0.1}, ink_there));
+        EXPECT_EQ(ink, ink_there) << uv.transpose();
+      }
+  }
+}
+
 TEST(DepthTerms, a_depth_along_the_axis_becomes_one_along_the_ray) {
   const auto print = print_of(set_of(false));
   ASSERT_TRUE(print);

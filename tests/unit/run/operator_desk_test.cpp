@@ -119,6 +119,24 @@ TEST_F(Recorder, WithoutANameTakesAreNumberedAndWithoutAFrameThereIsNone) {
   EXPECT_EQ(recorder_.state().name, "take 2");
 }
 
+TEST_F(Recorder, WhatARecordingThatWasCutOffHasLeftStays) {
+  folder_.write("takes/take 1.partial/composite/color.mkv", "150 frames");
+  folder_.write("takes/scene 1.partial/recording.toml", "name = \"scene 1.partial\"");
+  ASSERT_TRUE(recorder_.start("", ""));
+  EXPECT_EQ(recorder_.state().name, "take 2");
+  recorder_.write(frame(1));
+  ASSERT_TRUE(recorder_.stop());
+  for (const char* name : {"take 1", "scene 1"}) {
+    const auto started = recorder_.start(name, "");
+    ASSERT_FALSE(started) << name;
+    EXPECT_EQ(started.error().code, ErrorCode::kUsage);
+    EXPECT_NE(started.error().context.find(".partial' holds"), std::string::npos);
+  }
+  EXPECT_EQ(test::read_bytes(folder_.path() / "takes/take 1.partial/composite/color.mkv"),
+            "150 frames");
+  EXPECT_FALSE(test::read_bytes(folder_.path() / "takes/scene 1.partial/recording.toml").empty());
+}
+
 TEST_F(Recorder, FramesThatComeFasterThanTheyAreWrittenAllAreInTheTake) {
   ASSERT_TRUE(recorder_.start("fast", ""));
   for (int number = 1; number <= 200; ++number) recorder_.write(frame(number));

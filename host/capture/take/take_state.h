@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// What an open take holds. Private to this module: take_open.cpp fills it, take_index.cpp says
+// which pictures make a frame, take_reader.cpp reads them.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/capture/take/frame_pairs.h"
+#include "host/capture/take/frame_tables.h"
+#include "host/capture/take/manifest.h"
+#include "host/capture/take/streams/depth_check.h"
+#include "host/capture/take/streams/depth_steps.h"
+#include "host/capture/take/streams/fisheye_stream.h"
+#include "host/capture/take/streams/picture_stream.h"
+#include "host/capture/take/streams/raw_depth.h"
+#include "host/capture/take/take.h"
+#include "host/capture/take/trajectory.h"
+
+namespace mixrig::take {
+
+inline constexpr std::size_t kMaxListBytes = std::size_t{64} << 20;
+
+/// Index of each part of a frame in its stream.
+struct FrameIndex {
+  int color = 0, depth = 0, depth2 = 0;
+  double time_s = 0;
+  double depth_after_s = 0, depth2_after_s = 0;  ///< mid-exposures after that of colour
+  geometry::Pose world_from_target;
+};
+
+/// Colour and depth of TUM lists that belong together, and their files.
+struct TumLists {
+  std::vector<StampedFile> color, depth;
+};
+
+struct TakeReader::State {
+  Manifest manifest;
+  std::unique_ptr<PictureStream> color, depth, amplitude;  ///< depth is null if it is raw
+  std::unique_ptr<PictureStream> depth2, amplitude2;       ///< null where the take has none
+  std::unique_ptr<RawDepth> raw;
+  std::unique_ptr<FisheyeStream> fisheye;  ///< null where the take has none
+  std::vector<FrameIndex> frames;
+  /// By frame number; empty if not recorded.
+  std::map<int, FrameTick> ticks;
+  /// By frame number; empty if not recorded.
+  std::map<int, device::PanTiltAngles> pan_tilt;
+  std::vector<capture::LensSample> lens;                   ///< by time; empty if not recorded
+  std::map<int, std::vector<capture::TruePerson>> people;  ///< true people by frame number
+  std::map<int, capture::TrueLens> true_lens;              ///< by frame number; empty if unknown
+  std::shared_ptr<const capture::RigCameras> cameras;
+  Image<std::uint16_t> steps;  ///< reused from frame to frame
+  DepthCheck depth_check{""}, depth2_check{""};
+
+  TakeInfo& info() { return manifest.info; }
+  Result<void> open_streams();
+  Result<TumLists> read_lists();
+  std::vector<PicturePair> pair(StreamInfo stream, const StreamInfo* amplitudes);
+  Result<void> index_numbered();
+  Result<void> index_lists(const TumLists& lists);
+  Result<std::vector<StampedPose>> read_poses();
+  Result<void> read_tables();
+  void take_times_from_ticks();
+  void describe(int number, capture::Capture& capture) const;
+  Result<void> read_steps(PictureStream& stream, int index, const Steps& meaning,
+                          Image<float>& out);
+  Result<void> read_depth(int index, Image<float>& out);
+  Result<void> read_second_depth(int index, capture::DepthPicture& out);
+  template <typename T>
+  Result<void> check_size(const Image<T>& image, Size wanted, const std::string& name,
+                          const char* table) const;
+  std::filesystem::path truth_file(const char* what, int number) const;
+};
+
+}  // namespace mixrig::take
