@@ -276,10 +276,11 @@ Result<void> LightKeeper::open(WorkGate* gate) {
   const render::CompositorSetup& setup = session_.setup;
   if (setup.background.color.empty() || setup.lens_moves || setup.light.lamps.empty() ||
       setup.objects.empty() || (session_.poses && session_.poses->info().moves))
-    return Error{ErrorCode::kFormat,
-                 session_.scene.path.string() +
-                     ": light.follow: needs lamps, a virtual object and a camera that stands still "
-                     "before one learned view of the room: remove follow"};
+    return Error{
+        ErrorCode::kFormat,
+        session_.scene.path.string() +
+            ": light.follow: needs lamps, a virtual object, a camera that stands still, and a "
+            "background of empty frames in place of a scanned room: remove follow"};
   watch_.open(std::make_unique<LightSink>(session_), live_, gate);
   return {};
 }

@@ -62,8 +62,9 @@ Result<nlohmann::json> record(const RecordArguments& arguments) {
   const StopOnSignal signals;
   MIXRIG_ASSIGN(const live::RecordReport report,
                 live::record(session, config, devices, options, StopOnSignal::flag(), clock));
-  std::printf("%s: %d frames, %llu left out, ended: %s\n", arguments.out.c_str(), report.frames,
-              static_cast<unsigned long long>(report.left_out), report.ended.c_str());
+  std::printf("%s: %d frames, %llu left out, %llu dropped, ended: %s\n", arguments.out.c_str(),
+              report.frames, static_cast<unsigned long long>(report.left_out),
+              static_cast<unsigned long long>(report.session.dropped_sets), report.ended.c_str());
   nlohmann::json json = report::to_json(report.session);
   json["frames"] = report.frames;
   json["left_out"] = report.left_out;

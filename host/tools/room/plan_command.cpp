@@ -38,7 +38,8 @@ Result<plan::Footprint> parse_box(const std::string& text) {
 
 void print(const session::Plan& plan) {
   const session::PeopleReport& people = plan.people;
-  std::printf("%zu people in %llu frames, at most %zu at once\n", people.people.size(),
+  std::printf("%zu %s in %llu frames, at most %zu at once\n", people.people.size(),
+              people.people.size() == 1 ? "person" : "people",
               static_cast<unsigned long long>(people.frames), people.most_at_once);
   for (const session::PersonPath& p : people.people)
     std::printf("person %d: %.1f to %.1f s, %.2f m high, walked %.1f m\n", p.id, p.first_s,

@@ -2,12 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks the documents of the repository.
 
-    check_docs.py [--mixrig PROGRAM] [--root FOLDER] [PAGE.md ...]
+    check_docs.py [--mixrig PROGRAM] [--root FOLDER] [--manual-words N] [PAGE.md ...]
 
 Without pages all *.md files of the repository are checked. Each page must hold:
 - relative links and pictures exist, and so does the heading that a link to a page names;
 - no line is longer than 300 characters, outside tables;
 - README.md of the root has at most 120 lines and 900 words.
+Without pages also: docs has at most 35,000 words without docs/results, of these at most 10,000 in pages that a
+program writes. A word is a part of a line between spaces that has a letter or a digit: the bars of tables are none.
 With a program also: each `mixrig SUBCOMMAND` and each of its --options in a ```sh block exists in the
 output of --help. Prints one line a fault; exit status 1 if there is any."""
 import argparse
@@ -18,6 +20,8 @@ import sys
 from pathlib import Path
 
 MOST_CHARACTERS, README_LINES, README_WORDS = 300, 120, 900
+MANUAL_WORDS, GENERATED_WORDS = 35000, 10000
+GENERATED = {"docs/reference/commands.md"}  # by mixrig help-pages
 SKIPPED = {"build", "out", ".git", ".cache"}
 FENCE = re.compile(r"^```(.*?)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"!?\[[^\]]*\]\(<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\)")
@@ -70,13 +74,29 @@ def check_length(page):
             yield number, f"{len(line)} characters, more than {MOST_CHARACTERS}"
 
 
+def count_words(page):
+    return sum(any(c.isalnum() for c in part) for part in page.read_text().split())
+
+
 def check_readme(page):
-    text = page.read_text()
-    lines, words = len(text.splitlines()), len(text.split())
+    lines, words = len(page.read_text().splitlines()), count_words(page)
     if lines > README_LINES:
         yield README_LINES, f"{lines} lines, more than {README_LINES}"
     if words > README_WORDS:
         yield README_LINES, f"{words} words, more than {README_WORDS}"
+
+
+def check_manual(pages, root, most):
+    """Faults of all pages of docs together."""
+    words = {str(p.relative_to(root)): count_words(p) for p in pages if p.is_relative_to(root / "docs")
+             and not p.is_relative_to(root / "docs/results")}
+    total, generated = sum(words.values()), sum(count for page, count in words.items() if page in GENERATED)
+    if total > most:
+        yield f"docs: {total} words, more than {most}"
+    if generated > GENERATED_WORDS:
+        yield f"docs: {generated} words in generated pages, more than {GENERATED_WORDS}"
+    for page in sorted(GENERATED - words.keys()) if words else []:
+        yield f"{page}: no such page, but check_docs.py names it"
 
 
 class Help:
@@ -193,6 +213,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("pages", nargs="*", type=Path, help="instead of all pages")
     parser.add_argument("--root", type=Path, default=Path(__file__).resolve().parents[3])
+    parser.add_argument("--manual-words", type=int, default=MANUAL_WORDS, help="limit of docs without docs/results")
     parser.add_argument("--mixrig", help="the program whose --help is asked")
     arguments = parser.parse_args()
     root = arguments.root.resolve()
@@ -210,6 +231,10 @@ def main():
         for line, wrong in sorted(found):
             print(f"{page.relative_to(root) if page.is_relative_to(root) else page}:{line}: {wrong}")
         faults += len(found)
+    if not arguments.pages:
+        for wrong in check_manual(pages, root, arguments.manual_words):
+            print(wrong)
+            faults += 1
     print(f"{len(pages)} pages, {faults} faults")
     sys.exit(1 if faults else 0)
 
