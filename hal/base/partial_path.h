@@ -10,9 +10,9 @@
 namespace mixrig {
 
 /// A name beside the wanted one to write under: `x.png` is written as `x.png.partial`. A file or
-/// folder of that name is removed by the constructor and, unless commit() was called, by the
-/// destructor. If the wanted name is a symbolic link, its target is replaced and the link stays.
-/// Not thread-safe.
+/// folder of that name is removed by the constructor and, unless commit() or keep() was called, by
+/// the destructor. If the wanted name is a symbolic link, its target is replaced and the link
+/// stays. Not thread-safe.
 class PartialPath {
  public:
   explicit PartialPath(std::filesystem::path wanted);
@@ -22,6 +22,9 @@ class PartialPath {
 
   /// Path to write under until commit().
   const std::filesystem::path& path() const { return partial_; }
+  /// Leaves what was written under the partial name: it cannot be made again. Nothing is written by
+  /// this object afterwards.
+  void keep() { wanted_.clear(), partial_.clear(); }
   /// Renames it to the wanted name and replaces a file or folder that has it. Errors: kIo; kUsage
   /// where a file would replace a folder or a device. After an error the old content is still
   /// there.

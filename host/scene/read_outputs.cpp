@@ -13,13 +13,15 @@ constexpr std::array<const char*, 5> kCodecs{"auto", "ffv1", "h264", "prores", "
 
 }  // namespace
 
-StreamOut read_stream_out(const config::Table& table) {
+StreamOut read_stream_out(const config::Table& table, const std::filesystem::path& folder) {
   StreamOut out;
   out.uri = table.text_or("uri", "");
   if (out.uri.empty())
     table.fail("uri",
                "is missing: give srt://HOST:PORT, rtp://HOST:PORT, shm://PATH, v4l2://DEVICE, or a "
                "file .mkv, .mov or .mp4");
+  else if (out.uri.find("://") == std::string::npos)
+    out.uri = config::path_at(table, "uri", folder).string();
   out.picture = static_cast<StreamOut::Picture>(
       table.one_of("picture", {kPictures.begin(), kPictures.end()}, 0));
   out.codec =

@@ -265,7 +265,7 @@ Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& pa
   for (const Table& table : root.tables("pose_out"))
     scene.pose_outs.push_back(read_pose_out(table));
   for (const Table& table : root.tables("stream_out"))
-    scene.stream_outs.push_back(read_stream_out(table));
+    scene.stream_outs.push_back(read_stream_out(table, folder));
   scene.focus = read_focus(root.table("focus"));
   scene.quality = read_quality(root);
   scene.look = read_look(root.table("look"));

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "hal/base/left_partial.h"
 #include "hal/base/thread_priority.h"
 #include "host/math/config/writer.h"
@@ -13,14 +15,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr double kLeastFree_gb = 0.5;  ///< of the disk; as `mixrig record --keep-free`
 constexpr std::size_t kMostWaitingBytes = std::size_t{256} << 20;
 constexpr std::size_t kLeastWaiting = 4, kMostWaitingFrames = 256;
 constexpr std::size_t kBytesOfPixel = sizeof(Rgb8) + sizeof(float);
 
 }  // namespace
 
-CompositeRecorder::CompositeRecorder(const Session& session, fs::path folder)
-    : session_(session), folder_(std::move(folder)) {}
+CompositeRecorder::CompositeRecorder(const Session& session, fs::path folder, FreeSpace free_space)
+    : session_(session), folder_(std::move(folder)), free_space_(std::move(free_space)) {}
 
 /// Ends a running recording and keeps it.
 CompositeRecorder::~CompositeRecorder() { (void)stop(); }
@@ -71,6 +74,7 @@ Result<void> CompositeRecorder::open(const std::string& name) {
   if (fs::exists(wanted))
     return Error{ErrorCode::kUsage, wanted.string() + " exists: give another name"};
   MIXRIG_TRY(refuse_left_partial(wanted));
+  MIXRIG_TRY(check_disk());
   std::error_code code;
   fs::create_directories(folder_, code);
   PartialPath path(wanted);
@@ -82,6 +86,15 @@ Result<void> CompositeRecorder::open(const std::string& name) {
                                           {.format = output::OutputFormat::kVideo}));
   path_.emplace(std::move(path));
   return {};
+}
+
+Result<void> CompositeRecorder::check_disk() const {
+  const std::optional<double> free = free_space_(folder_);
+  if (!free || *free >= kLeastFree_gb) return {};
+  return Error{ErrorCode::kIo,
+               fmt::format("'{}': disk almost full, {:.1f} GB are free: free some, or record to "
+                           "another disk",
+                           folder_.string(), *free)};
 }
 
 /// Copies the images that FilesSink writes; the frame's own buffers go back to the run.
@@ -137,8 +150,38 @@ void CompositeRecorder::run() {
     const output::CompositePtr next = std::move(queue_.front());
     queue_.pop_front();
     lock.unlock();
-    if (const auto done = files_->write(next); !done) return give_up(done.error());
+    Result<void> done = check_disk();
+    if (done) done = files_->write(next);
+    if (!done) return end_early(done.error());
   }
+}
+
+/// Completes the recording by what was written before an error; frames that wait are lost. Called
+/// by the thread.
+void CompositeRecorder::end_early(const Error& error) {
+  std::uint64_t lost = 1;
+  {
+    const std::lock_guard lock(queue_mutex_);
+    ends_ = true;
+    lost += queue_.size();
+    queue_.clear();
+  }
+  std::uint64_t written = 0;
+  change_state([&](page::RecordingState& state) {
+    state.lost += lost, state.frames -= lost;
+    written = state.frames;
+  });
+  if (written == 0) return give_up(error);
+  if (!complete(to_line(error))) return give_up(keep_partial(error));
+  change_state([&](page::RecordingState& state) { state.error = to_line(error); });
+  on_ = false;
+}
+
+/// Leaves the recording under its partial name, which the returned error says.
+Error CompositeRecorder::keep_partial(const Error& error) {
+  const std::string partial = path_->path().string();
+  path_->keep();
+  return {error.code, error.context + ": what was written before is in '" + partial + "'"};
 }
 
 /// Ends the recording with an error; frames that wait are lost. Called by the thread, or while it
@@ -167,18 +210,20 @@ void CompositeRecorder::join() {
   if (thread_.joinable()) thread_.join();
 }
 
-/// Precondition: mutex_ is held, and the thread has ended.
-Result<void> CompositeRecorder::finish() {
+/// Writes what is left of the recording and gives it its name. `ended`: why it ends, for
+/// recording.toml. Called by the thread, or with mutex_ held after the thread has ended.
+Result<void> CompositeRecorder::complete(const std::string& ended) {
   const page::RecordingState made = state();
   config::Writer table;
   table.set("name", made.name).set("notes", made.notes);
   table.set("scene", session_.scene.path.string()).set("source", session_.source->info().name);
   table.set("frames", static_cast<double>(made.frames));
   table.set("lost", static_cast<double>(made.lost)).set("seconds", made.seconds);
+  table.set("ended", ended);
   Result<void> done = files_->finish();
   if (done) done = write_file(path_->path() / "recording.toml", table.text());
   if (done) done = path_->commit();
-  if (!done) return give_up(done.error()), done;
+  if (!done) return done;
   files_.reset(), path_.reset();
   change_state([&](page::RecordingState& state) {
     state.on = false;
@@ -196,7 +241,13 @@ Result<void> CompositeRecorder::stop() {
     return Error{ErrorCode::kData, why};
   }
   on_ = false;
-  if (state().frames > 0) return finish();
+  if (state().frames > 0) {
+    const auto done = complete("stopped");
+    if (done) return done;
+    const Error failed = keep_partial(done.error());
+    give_up(failed);
+    return failed;
+  }
   const Error none{ErrorCode::kData,
                    "\"" + state().name + "\" has no frame yet: nothing was recorded"};
   give_up(none);

@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -14,6 +15,7 @@
 
 #include "hal/base/partial_path.h"
 #include "hal/base/pool.h"
+#include "host/operator/desk/desk_state.h"
 #include "host/operator/page/operator.h"
 #include "host/output/files/files_sink.h"
 #include "host/run/session/session.h"
@@ -23,17 +25,24 @@ namespace mixrig::session {
 /// Each recording is a folder FOLDER/NAME, written whole or not at all: composite/ (a take,
 /// lossless video), frames.csv, recording.toml with the notes. A low-priority thread encodes and
 /// writes; up to 256 MiB of frames wait for it, so that a machine that is busy for some seconds
-/// loses none. An error ends the recording, not the run, and is reported by state(). Thread-safe.
+/// loses none. An error or a disk that is almost full ends the recording, not the run, and is
+/// reported by state(); what was written before is completed or, where that fails, stays as
+/// NAME.partial. Thread-safe.
 class CompositeRecorder {
  public:
+  /// Free space of a folder's disk in GB; nullopt: not known.
+  using FreeSpace = std::function<std::optional<double>(const std::filesystem::path&)>;
+
   /// `session` must outlive it.
-  CompositeRecorder(const Session& session, std::filesystem::path folder);
+  CompositeRecorder(const Session& session, std::filesystem::path folder,
+                    FreeSpace free_space = free_gb);
   ~CompositeRecorder();
   CompositeRecorder(const CompositeRecorder&) = delete;
   CompositeRecorder& operator=(const CompositeRecorder&) = delete;
 
   /// Starts a recording. An empty name: the first free one of "take 1", "take 2", ... Errors:
-  /// kUsage if the name is taken, kData while a recording runs; kIo.
+  /// kUsage if the name is taken, kData while a recording runs; kIo, also for a disk that is almost
+  /// full.
   Result<void> start(const std::string& name, const std::string& notes);
   /// Ends the recording; returns when all frames are written. Errors: kData if none runs; kIo.
   Result<void> stop();
@@ -51,13 +60,17 @@ class CompositeRecorder {
   output::CompositePtr copy(const output::Composite& composite);
   void run();
   void join();
-  Result<void> finish();
+  Result<void> check_disk() const;
+  Result<void> complete(const std::string& ended);
+  void end_early(const Error& error);
+  Error keep_partial(const Error& error);
   void give_up(const Error& error);
   template <typename Change>
   void change_state(Change&& change);
 
   const Session& session_;
   const std::filesystem::path folder_;
+  const FreeSpace free_space_;
   std::mutex mutex_;  ///< one start or stop at a time; guards path_ and files_ while no thread runs
   std::optional<PartialPath> path_;
   /// Used by the thread while it runs; null: no recording.

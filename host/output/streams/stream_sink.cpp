@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include <gst/app/gstappsrc.h>
@@ -21,6 +22,19 @@ std::vector<take::GstNeed> needs_of(const StreamPlan& plan) {
   std::vector<take::GstNeed> needs;
   for (const StreamNeed& need : plan.needs) needs.push_back({need.element, need.package});
   return needs;
+}
+
+/// Returns the first of NAME.mkv, NAME-2.mkv, NAME-3.mkv and so on that holds nothing: a run that
+/// is started again must not replace its show.
+std::string free_file(const std::string& wanted) {
+  namespace fs = std::filesystem;
+  const fs::path path(wanted);
+  fs::path free = path;
+  std::error_code error;
+  for (int i = 2; fs::is_regular_file(free, error) && fs::file_size(free, error) > 0; ++i)
+    free.replace_filename(path.stem().string() + "-" + std::to_string(i) +
+                          path.extension().string());
+  return free.string();
 }
 
 /// Waits up to a second for pictures that are on their way; a receiver that takes nothing must not
@@ -55,11 +69,18 @@ Result<void> StreamSink::check(const scene::StreamOut& out, Size view, double ra
   return take::check_elements(needs_of(plan), "stream_out \"" + out.uri + "\"");
 }
 
-Result<std::unique_ptr<StreamSink>> StreamSink::create(const scene::StreamOut& out, Size view,
+Result<std::unique_ptr<StreamSink>> StreamSink::create(const scene::StreamOut& wanted, Size view,
                                                        double rate_hz, bool transparent,
                                                        RoomBehind behind,
                                                        std::optional<Duration> day_at_zero) {
-  MIXRIG_ASSIGN(const StreamPlan plan, plan_stream(out, view, rate_hz));
+  scene::StreamOut out = wanted;
+  MIXRIG_ASSIGN(StreamPlan plan, plan_stream(out, view, rate_hz));
+  if (plan.waits) out.uri = free_file(wanted.uri);
+  if (out.uri != wanted.uri) {
+    log_warning("output", "stream_out: '" + wanted.uri + "' is there and stays: this run writes '" +
+                              out.uri + "'");
+    MIXRIG_ASSIGN(plan, plan_stream(out, view, rate_hz));
+  }
   MIXRIG_TRY(take::check_elements(needs_of(plan), "stream_out \"" + out.uri + "\""));
   std::unique_ptr<StreamSink> sink(
       new StreamSink(out, view, rate_hz, transparent, std::move(behind)));

@@ -30,9 +30,10 @@ class StreamSink final : public CompositeSink {
   /// Checks what can be checked before the first picture. Errors: kUsage (plan_stream()),
   /// kUnsupported with the Debian package of a missing plug-in.
   static Result<void> check(const scene::StreamOut& out, Size view, double rate_hz);
-  /// Opens the stream. Timecode begins at the time of day if `day_at_zero`, the time of day at host
-  /// time 0, is given, else at 0. Errors: those of check(); kIo if the end cannot be opened.
-  static Result<std::unique_ptr<StreamSink>> create(const scene::StreamOut& out, Size view,
+  /// Opens the stream. A file that is there stays: NAME-2.mkv and so on is written, which a warning
+  /// and the report say. Timecode begins at the time of day if `day_at_zero`, the time of day at
+  /// host time 0, is given, else at 0. Errors: those of check(); kIo if the end cannot be opened.
+  static Result<std::unique_ptr<StreamSink>> create(const scene::StreamOut& wanted, Size view,
                                                     double rate_hz, bool transparent,
                                                     RoomBehind behind,
                                                     std::optional<Duration> day_at_zero = {});

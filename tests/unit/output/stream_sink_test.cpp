@@ -148,8 +148,8 @@ TEST_F(StreamSinkTest, TimecodeIsThatOfMidExposure) {
     EXPECT_NE(frames.find(code), std::string::npos) << code << " in " << frames;
   EXPECT_EQ(frames.find("12:59:59:03"), std::string::npos);
   day_at_zero_.reset();
-  write(folder_ / "fill.mkv", Codec::kH264);
-  EXPECT_NE(probed(folder_ / "fill.mkv", "frame_tags=timecode").find("00:00:00:03"),
+  write(folder_ / "by_host.mkv", Codec::kH264);
+  EXPECT_NE(probed(folder_ / "by_host.mkv", "frame_tags=timecode").find("00:00:00:03"),
             std::string::npos);
 }
 
@@ -268,6 +268,23 @@ TEST_F(StreamSinkTest, AReceiverThatIsNotThereOrTakesNothingCostsPicturesAlone) 
   for (int i = 1; i <= 100; ++i) ASSERT_TRUE(sink->write(bars_frame(i)));
   ASSERT_TRUE(sink->finish());
   EXPECT_EQ(sink->report().frames + sink->report().dropped, 100U);
+}
+
+/// A service that starts again after a fault writes the same name.
+TEST_F(StreamSinkTest, AFileThatHoldsAShowStays) {
+  const std::string show = folder_ / "show.mkv";
+  std::ofstream(show).close();  // an empty file holds nothing
+  std::string first;
+  for (const char* name : {"show.mkv", "show-2.mkv", "show-3.mkv"}) {
+    const auto sink = sink_of(show, Picture::kFill);
+    ASSERT_TRUE(sink);
+    EXPECT_EQ(sink->report().uri, folder_ / name);
+    ASSERT_TRUE(sink->write(bars_frame(1)));
+    ASSERT_TRUE(sink->finish());
+    EXPECT_GT(std::filesystem::file_size(folder_ / name), 0U);
+    if (first.empty()) first = test::read_bytes(show);
+  }
+  EXPECT_EQ(test::read_bytes(show), first);
 }
 
 TEST_F(StreamSinkTest, AFileThatCannotBeWrittenIsOneLine) {

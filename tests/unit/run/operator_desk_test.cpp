@@ -157,10 +157,35 @@ TEST_F(Recorder, AFaultWhileItIsWrittenEndsItAndIsTold) {
   EXPECT_TRUE(test::comes_true([&] { return !recorder_.is_on(); }));
   EXPECT_NE(recorder_.state().error, "");
   EXPECT_FALSE(recorder_.stop());
-  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "takes/a"));
+  EXPECT_EQ(recorder_.state().frames, 1U);
+  EXPECT_EQ(recorder_.state().lost, 1U);
+  const auto kept = take::TakeReader::open(folder_.path() / "takes/a/composite");
+  ASSERT_TRUE(kept) << to_line(kept.error());
+  EXPECT_EQ(kept->info().frames, 1) << "what was written before the fault stays";
+  EXPECT_NE(test::read_bytes(folder_.path() / "takes/a/recording.toml").find("ended = "),
+            std::string::npos);
   ASSERT_TRUE(recorder_.start("b", "")) << "the next one runs";
   recorder_.write(frame(3));
   EXPECT_TRUE(recorder_.stop());
+}
+
+TEST_F(Recorder, ADiskThatIsAlmostFullEndsItAndKeepsWhatIsThere) {
+  std::atomic<int> looks = 0;  // at the start, and before each frame
+  CompositeRecorder recorder(session_, folder_.path() / "takes",
+                             [&](const std::filesystem::path&) { return looks++ < 3 ? 2 : 0.4; });
+  ASSERT_TRUE(recorder.start("a", ""));
+  for (int number = 1; number <= 3; ++number) recorder.write(frame(number));
+  EXPECT_TRUE(test::comes_true([&] { return !recorder.is_on(); }));
+  EXPECT_NE(recorder.state().error.find("disk almost full"), std::string::npos);
+  EXPECT_EQ(recorder.state().frames, 2U);
+  EXPECT_EQ(recorder.state().lost, 1U);
+  const auto kept = take::TakeReader::open(folder_.path() / "takes/a/composite");
+  ASSERT_TRUE(kept) << to_line(kept.error());
+  EXPECT_EQ(kept->info().frames, 2);
+  const auto refused = recorder.start("b", "");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().context.find("disk almost full"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "takes/b.partial"));
 }
 
 TEST_F(Recorder, AFaultEndsTheRecordingAlone) {

@@ -89,6 +89,17 @@ TEST(Scene, AnEmptyFileIsAValidSceneOfDefaults) {
   EXPECT_FALSE(scene->capture_volume.has_value());
 }
 
+TEST(Scene, AFileOfAStreamStartsAtTheScenesFolder) {
+  for (const auto& [uri, meant] :
+       {std::pair("show.mkv", "s/show.mkv"), std::pair("../show.mp4", "show.mp4"),
+        std::pair("/shows/a.mov", "/shows/a.mov"), std::pair("srt://host:7", "srt://host:7")}) {
+    const auto scene =
+        parse_scene("[[stream_out]]\nuri = \"" + std::string(uri) + "\"\n", "s/scene.toml", false);
+    ASSERT_TRUE(scene) << scene.error().context;
+    EXPECT_EQ(scene->stream_outs.at(0).uri, meant);
+  }
+}
+
 Result<Scene> scene_of(const std::string& camera) {
   return parse_scene("[camera]\n" + camera, "s/scene.toml", false);
 }
