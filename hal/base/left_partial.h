@@ -8,7 +8,7 @@
 
 namespace mixrig {
 
-/// Path under which a recording of this name is written, where one of it is left.
+/// Returns the path under which a recording of this name is written until it is whole.
 inline std::filesystem::path partial_of(std::filesystem::path wanted) {
   if (!wanted.has_filename()) wanted = wanted.parent_path();
   std::error_code error;
@@ -20,7 +20,7 @@ inline std::filesystem::path partial_of(std::filesystem::path wanted) {
   return wanted;
 }
 
-/// Whether a file, or a folder that is not empty, has the partial name of `wanted`.
+/// Returns whether a file, or a folder that is not empty, has the partial name of `wanted`.
 inline bool has_left_partial(const std::filesystem::path& wanted) {
   std::error_code error;
   const std::filesystem::path partial = partial_of(wanted);

@@ -17,15 +17,16 @@ struct FoundMarkers {
   std::vector<int> ids;
 };
 
-/// Column and row of the square that holds a marker. `older`: the layout that OpenCV printed before
-/// 4.6 for an even number of rows, whose top left square is white and holds marker 0.
+/// Returns column and row of the square that holds a marker. `older`: the layout that OpenCV
+/// printed before 4.6 for an even number of rows, whose top left square is white and holds marker
+/// 0.
 cv::Point square_of(int marker, const BoardSpec& board, bool older);
 
-/// True where the markers lie as in the older layout, false where they lie as in today's; nullopt
-/// where they fit both: with an odd number of columns, where no marker at a side is seen.
+/// Returns true if the markers lie as in the older layout, false if they lie as in today's, nullopt
+/// if they fit both: with an odd number of columns, where no marker at a side is seen.
 std::optional<bool> is_older_layout(const FoundMarkers& found, const BoardSpec& board);
 
-/// Corners between the found markers, not refined; nullopt where there are none. `dictionary` is
+/// Finds the corners between the markers, not refined; nullopt if there are none. `dictionary` is
 /// the number of OpenCV's predefined one. Throws cv::Exception.
 std::optional<BoardView> find_charuco(const cv::Mat& image, const BoardSpec& board, int dictionary);
 

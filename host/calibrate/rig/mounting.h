@@ -9,8 +9,8 @@
 
 namespace mixrig::calibration {
 
-/// Quarter turns about its normal after which the board looks the same; 0 is always one of them. A
-/// checkerboard of an odd and an even number of squares and a ChArUco have no other.
+/// Returns the quarter turns about its normal after which the board looks the same, always with 0.
+/// A checkerboard of an odd and an even number of squares and a ChArUco have no other.
 std::vector<int> alike_turns(const ViewSet& set);
 
 /// Turns the numbering of the corners by quarter turns, and the pose that goes with it: what the
@@ -18,7 +18,8 @@ std::vector<int> alike_turns(const ViewSet& set);
 void turn_numbering(const ViewSet& set, int quarter_turns, std::vector<SeenCorner>& corners,
                     geometry::Pose& camera_from_board);
 
-/// Angle between two orientations of the board, rad; the least over those that look the same.
+/// Returns the angle between two orientations of the board, rad: the least over those that look the
+/// same.
 double angle_between(const ViewSet& set, const geometry::Pose& a, const geometry::Pose& b);
 
 /// Finds camera_from_target: the pose that agrees best with all views that the camera shares with

@@ -11,31 +11,31 @@
 
 namespace mixrig::take {
 
-/// Indices from 0, and the time of depth after that of colour.
+/// Pictures of one frame: indices from 0, and the time of depth after that of colour.
 struct PicturePair {
   int color = 0, depth = 0;
   double depth_after_s = 0;
   bool operator==(const PicturePair&) const = default;
 };
 
-/// Numbered pictures of two streams. Where both rates are given and differ, picture k of a stream
-/// is of the time k / rate_hz (of depth, delay_s later), and each picture of the slower stream gets
-/// the nearest one of the faster; else they pair by number. Sorted by colour. Pure.
+/// Pairs numbered pictures of two streams. If both rates are given and differ, picture k of a
+/// stream is of the time k / rate_hz (of depth, delay_s later), and each picture of the slower
+/// stream gets the nearest one of the faster; else they pair by number. Sorted by colour. Pure.
 std::vector<PicturePair> pair_numbered(const StreamInfo& color, const StreamInfo& depth,
                                        bool by_number);
-/// True where pair_numbered() goes by time.
+/// Returns whether pair_numbered() pairs by time.
 bool rates_differ(const StreamInfo& a, const StreamInfo& b);
 
-/// What is odd about a list's times, as lines for the user: steps that are no camera's, and times
-/// that run backwards. `name` is the file. Pure.
+/// Returns warnings about a list's times: steps that no camera makes, and times that run
+/// backwards. `name` is the file. Pure.
 std::vector<std::string> odd_stamps(const std::vector<StampedFile>& files, const std::string& name);
 
-/// The error of two lists of which no pictures pair within `most_s`: how far the nearest are apart,
-/// and the unit that their times seem to have.
+/// Makes the error of two lists without a pair within `most_s`: how far apart the nearest pictures
+/// are, and which unit their times seem to have.
 Error no_pairs(const std::vector<StampedFile>& color, const std::vector<StampedFile>& depth,
                const std::string& name, double most_s);
 
-/// The error of frames none of which has a pose of `poses` at its time.
+/// Makes the error of frames of which none has a pose of `poses` at its time.
 Error no_poses(const std::vector<StampedPose>& poses, const std::vector<StampedFile>& color,
                const std::string& name);
 

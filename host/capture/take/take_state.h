@@ -33,7 +33,7 @@ struct FrameIndex {
   geometry::Pose world_from_target;
 };
 
-/// Colour and depth of TUM lists that belong together, and their files.
+/// Files of the TUM lists of colour and depth.
 struct TumLists {
   std::vector<StampedFile> color, depth;
 };

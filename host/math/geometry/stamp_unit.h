@@ -12,8 +12,8 @@ struct StampUnit {
   std::string_view name = "seconds";
 };
 
-/// Times since 1970 tell their unit by their size: as seconds, 1e11 would be the year 5138. Smaller
-/// times are seconds, as the formats have them.
+/// Finds the unit of a stamp by its size: 1e11 seconds after 1970 would be the year 5138, so larger
+/// numbers are milliseconds or less. Smaller ones are seconds, as the formats say.
 inline StampUnit unit_of_stamp(double time) {
   const double size = std::abs(time);
   if (size >= 1e17) return {1e-9, "nanoseconds"};

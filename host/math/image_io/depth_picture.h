@@ -10,8 +10,8 @@
 
 namespace mixrig::image_io {
 
-/// Reads a grey PNG of 16 bits into `image`, whose memory is reused. Errors as read_gray16; kFormat
-/// for one of 8 bits, which a conversion for display leaves.
+/// Reads a grey PNG of 16 bits into `image`, whose memory is reused. Errors: those of
+/// read_gray16(); kFormat for 8 bits, which a conversion for display leaves.
 Result<void> read_depth16(const std::filesystem::path& path, Image<std::uint16_t>& image);
 
 }  // namespace mixrig::image_io

@@ -18,11 +18,12 @@ namespace mixrig::scene {
 Result<std::vector<std::string>> check_declared(std::span<const std::uint8_t> json,
                                                 const std::filesystem::path& folder);
 
-/// The picture format of a texture extension in words, such as "WebP"; empty for other extensions.
+/// Returns the picture format of a texture extension in words, such as "WebP"; empty for other
+/// extensions.
 std::string picture_format_of(const std::string& extension);
 
-/// The file inside `folder` that a name or path leads to; empty where it is outside or does not
-/// exist.
+/// Returns the file inside `folder` that a name or path leads to; empty if it is outside or does
+/// not exist.
 std::filesystem::path file_inside(const std::string& name, const std::filesystem::path& folder);
 
 }  // namespace mixrig::scene

@@ -11,10 +11,10 @@
 
 namespace mixrig::scene {
 
-/// Rotation, translation and scale of a node, or its matrix.
+/// Returns a node's own transform: its rotation, translation and scale, or its matrix.
 Eigen::Matrix4d local_matrix(const tinygltf::Node& node);
 
-/// For each joint of a skin, scene from mesh: where the joint stands by its nodes, behind its
+/// Returns scene_from_mesh for each joint of a skin: the joint's place by its nodes times its
 /// inverse bind matrix. Errors: kFormat for indices out of range and nodes that are no tree.
 Result<std::vector<Eigen::Matrix4d>> joint_matrices(const tinygltf::Model& gltf, int skin);
 

@@ -19,19 +19,19 @@ class DepthCheck {
   /// `where` begins each line, such as "t/take.toml: [depth]".
   explicit DepthCheck(std::string where) : where_(std::move(where)) {}
 
-  /// True while further pictures are looked at.
+  /// Returns whether further pictures are examined.
   bool wants_more() const { return looked_ < kPictures; }
-  /// A picture in steps, and in metres as they were read.
+  /// Examines a picture in steps, and in metres as they were read.
   void look(const Image<std::uint16_t>& steps, const Steps& meaning, const Image<float>& depth_m);
-  /// A picture that has no steps.
+  /// Examines a picture that has no steps.
   void look(const Image<float>& depth_m);
-  /// What was found, in the order of the pictures; each is written once.
+  /// Returns the warnings so far, in the order of the pictures; each was logged once.
   const std::vector<std::string>& found() const { return found_; }
 
  private:
   static constexpr int kPictures = 5;
   enum class Fault { kStretched, kOnes, kUnknown, kRange };
-  /// Once for each fault, whose numbers differ from picture to picture.
+  /// Logs the first warning of each fault; its numbers differ from picture to picture.
   void note(Fault fault, const std::string& what);
   void check_steps(const Image<std::uint16_t>& steps, const Steps& meaning);
   void check_range(const Image<float>& depth_m);

@@ -17,12 +17,12 @@ struct Ffv1Format {
   bool is_gray() const { return !rgb && !chroma && !alpha; }
 };
 
-/// From the configuration record, or from the first frame where the stream has none, as FFV1 of
-/// versions 0 and 1. nullopt where neither holds a header. Pure.
+/// Reads the format from the configuration record or, in streams without one (FFV1 versions 0 and
+/// 1), from the first frame; nullopt if neither holds a header. Pure.
 std::optional<Ffv1Format> ffv1_format(std::span<const std::uint8_t> record,
                                       std::span<const std::uint8_t> first_frame);
 
-/// Such as "grey of 12 bits" or "YUV 4:2:0 of 8 bits".
+/// Returns the format in words, such as "grey of 12 bits" or "YUV 4:2:0 of 8 bits".
 std::string text_of(const Ffv1Format& format);
 
 }  // namespace mixrig::take

@@ -174,7 +174,7 @@ std::optional<std::vector<MatroskaTrack>> parse_tracks(std::span<const std::uint
         if (!tracks) tracks.emplace();
         Elements list(part.body);
         for (Element entry; list.next(entry);)
-          if (entry.id == kTrackEntry)
+          if (entry.id == kTrackEntry && tracks->size() < kMostTracks)
             if (auto track = parse_entry(entry.body)) tracks->push_back(*std::move(track));
       } else if (part.id == kCluster && tracks) {
         find_formats(part.body, *tracks);

@@ -3,6 +3,7 @@
 // this module.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -24,11 +25,15 @@ struct MatroskaTrack {
   std::optional<Ffv1Format> ffv1;    ///< where it is FFV1 and its header was found
 };
 
-/// Tracks of pictures by the begin of a file; nullopt where it holds no list of tracks. Pure.
+/// Most tracks that parse_tracks() returns.
+inline constexpr std::size_t kMostTracks = 64;
+
+/// Returns the first kMostTracks tracks of pictures that the beginning of a file lists; nullopt if
+/// it holds no list of tracks. Pure.
 std::optional<std::vector<MatroskaTrack>> parse_tracks(std::span<const std::uint8_t> bytes);
 
-/// Whether one stream of that pixel format is in the file, as far as its begin tells; a damaged
-/// file passes. Errors: kFormat with what it holds, kIo.
+/// Checks by the beginning of a file that it holds one stream of that pixel format; a damaged file
+/// passes. Errors: kFormat with what it holds, kIo.
 Result<void> check_tracks(const std::filesystem::path& path, PixelKind kind);
 
 }  // namespace mixrig::take
