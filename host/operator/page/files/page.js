@@ -142,7 +142,8 @@ function showHealth() {
 function showAge() {
   const age_ms = Picture.age_ms();
   el('age').dataset.ms = age_ms === null ? '' : age_ms.toFixed(0);
-  el('age').textContent = age_ms === null ? 'no picture yet'
+  const unknown = Picture.frame > 0 ? `frame ${Picture.frame}, its age is not known yet` : 'no picture yet';
+  el('age').textContent = age_ms === null ? unknown
     : `frame ${Picture.frame}, ${age_ms < 10000 ? age_ms.toFixed(0) + ' ms' : (age_ms / 1000).toFixed(0) + ' s'} old, by ${Picture.by}`;
   el('age').title = Picture.by === 'MJPEG' && Picture.why_not ? `no WebRTC: ${Picture.why_not}` : '';
   el('age').dataset.by = Picture.by;
