@@ -92,8 +92,8 @@ float matte_now(ivec2 at) {
   return refine && decided ? refined(at) : texelFetch(voted, at, 0).r;
 }
 
-// Foreground of a whole cell beside a pixel, people by the matte: distance (beyond the reach:
-// none) and inverse depth.
+// Nearest foreground of a whole cell beside a pixel: distance (beyond the reach: none, or the room
+// by the matte) and inverse depth.
 struct Beside {
   int px;
   float w;
@@ -101,13 +101,18 @@ struct Beside {
 
 Beside beside(ivec2 at, ivec2 way) {
   ivec2 size = textureSize(state, 0);
+  Beside found = Beside(fill_reach_px + 1, 0.0);
   for (int d = 1; d <= fill_reach_px; ++d) {
     at += way;
     if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) break;
     float whole_w = texelFetch(w, at, 0).r;
-    if (whole_w > 0.0 && is_foreground_at(at) && matte_now(at) >= 0.5) return Beside(d, whole_w);
+    if (whole_w > 0.0 && is_foreground_at(at)) {
+      found = Beside(d, whole_w);
+      break;
+    }
   }
-  return Beside(fill_reach_px + 1, 0.0);
+  if (found.w > 0.0 && matte_now(at) < 0.5) found = Beside(fill_reach_px + 1, 0.0);
+  return found;
 }
 
 // The better one of both sides of a pixel along a direction: the rear one where the ToF camera

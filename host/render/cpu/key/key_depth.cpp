@@ -15,7 +15,8 @@ constexpr auto kOfForeground = static_cast<std::uint8_t>(PixelState::kForeground
 constexpr std::uint8_t kMostlyPeople = 128;
 constexpr auto kOfDoubt = static_cast<std::uint8_t>(PixelState::kEdge);
 
-/// The nearest foreground on one side of a pixel that is people by the matte and no cut cell drew.
+/// The nearest foreground on one side of a pixel that no cut cell drew; none if the matte takes it
+/// for the room.
 struct Beside {
   int px = kFillReachPx + 1;  // distance; over kFillReachPx: none
   float w = 0;
@@ -33,10 +34,10 @@ struct DepthFill {
     for (int d = 1; d <= kFillReachPx; ++d) {
       x += dx, y += dy;
       if (x < 0 || y < 0 || x >= matte.width() || y >= matte.height()) break;
-      if (state.row(y)[x] != kOfForeground || matte.row(y)[x] < kMostlyPeople) continue;
-      if (alone && alone->row(y)[x]) continue;
+      if (state.row(y)[x] != kOfForeground || (alone && alone->row(y)[x])) continue;
       const float w = view_w.row(y)[x];
-      if (!from_cut_cell(w)) return {d, w};
+      if (from_cut_cell(w)) continue;
+      return matte.row(y)[x] >= kMostlyPeople ? Beside{d, w} : Beside{};
     }
     return {};
   }
@@ -82,8 +83,7 @@ struct DepthFill {
 
 void find_alone(const KeyInput& input, int bx, int by, const Image<std::uint8_t>& matte,
                 const Image<float>& view_w, KeyScratch& scratch) {
-  const DepthFill fill{scratch.state, nullptr, matte, view_w,
-                       parallax_px_m(input.tables.warp)};
+  const DepthFill fill{scratch.state, nullptr, matte, view_w, parallax_px_m(input.tables.warp)};
   for (int y = block_begin(by); y < block_end(by, matte.height()); ++y)
     for (int x = block_begin(bx); x < block_end(bx, matte.width()); ++x)
       scratch.alone.row(y)[x] =
