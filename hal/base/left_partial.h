@@ -9,16 +9,7 @@
 namespace mixrig {
 
 /// Returns the path under which a recording of this name is written until it is whole.
-inline std::filesystem::path partial_of(std::filesystem::path wanted) {
-  if (!wanted.has_filename()) wanted = wanted.parent_path();
-  std::error_code error;
-  if (std::filesystem::is_symlink(wanted, error)) {
-    const std::filesystem::path target = std::filesystem::canonical(wanted, error);
-    if (!error) wanted = target;
-  }
-  wanted += ".partial";
-  return wanted;
-}
+std::filesystem::path partial_of(const std::filesystem::path& wanted);
 
 /// Returns whether a file, or a folder that is not empty, has the partial name of `wanted`.
 inline bool has_left_partial(const std::filesystem::path& wanted) {

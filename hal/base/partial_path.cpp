@@ -6,6 +6,8 @@
 #include <system_error>
 #include <utility>
 
+#include "hal/base/left_partial.h"
+
 namespace mixrig {
 namespace fs = std::filesystem;
 
@@ -43,8 +45,12 @@ Result<void> write_bytes(const fs::path& file_path, const fs::path& shown, std::
 
 }  // namespace
 
+fs::path partial_of(const fs::path& wanted) {
+  return with_suffix(behind_links(wanted), ".partial");
+}
+
 PartialPath::PartialPath(fs::path wanted)
-    : wanted_(behind_links(std::move(wanted))), partial_(with_suffix(wanted_, ".partial")) {
+    : wanted_(behind_links(std::move(wanted))), partial_(partial_of(wanted_)) {
   std::error_code ignored;
   fs::remove_all(partial_, ignored);
 }
