@@ -75,7 +75,8 @@ void add_object_light_and_key(const studio::StudioInfo& info, Writer& root) {
   Writer light, key;
   light.set("ambient", rounded_values(info.light.ambient));
   light.set("exposure", config::rounded(info.light.exposure, 6));
-  if (info.light.by_direction) light.set("ambient_by", "room");
+  // Only in the plain look does the same ambient light come from all sides.
+  if (!info.light.by_direction) light.set("ambient_by", "constant");
   for (const studio::Panel& lamp : info.light.lamps) light.add("lamp", lamp_table(lamp));
   key.set("threshold_m", 0.05).set("noise_factor", 4.0);
   root.add("object", object_table(info.object));

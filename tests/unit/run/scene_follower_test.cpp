@@ -176,8 +176,14 @@ TEST_P(SceneFollowerOnCpu, WhatARunTakesOnceStays) {
 }
 
 TEST_P(SceneFollowerTest, APreviewIsSeenAtOnceAndEndsWithTheNextSave) {
-  const std::string moved = kHead + object("thing", "position_m = [0.3, 0, 2.5]");
-  const auto &after = pictures_of(moved), &before = pictures_of(kHead + kThing);
+  // Ambient light by direction stays that of the place where the compositor was made.
+  const std::string head =
+      "[camera]\npose = \"identity\"\n[background]\nlearn = [1, 3]\n"
+      "[light]\nambient = 0.5\nambient_by = \"constant\"\n"
+      "[[light.lamp]]\nname = \"key\"\nposition_m = [0.5, -0.5, 0.5]\n";
+  const std::string moved = head + object("thing", "position_m = [0.3, 0, 2.5]");
+  const auto &after = pictures_of(moved), &before = pictures_of(head + kThing);
+  save(head + kThing);
   const auto kept = run_it([&] {
     follower_->preview_object("thing", {Eigen::Quaterniond::Identity(), {0.3, 0, 2.5}});
     follower_->preview_object("nobody", {});
