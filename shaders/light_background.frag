@@ -19,7 +19,5 @@ void main() {
   float z = texelFetch(background_m, at, 0).r;
   light = 1.0;
   if (z <= 0.0) return;
-  vec3 ray = ray_of(at), stored = texelFetch(background_normal, at, 0).xyz;
-  vec3 normal = normalize(stored == vec3(0) ? -ray : stored);
-  light = clamp(light_ratio(ray * z, normal), 0.0, 1.0);
+  light = clamp(light_ratio(ray_of(at) * z, normal_of(background_normal, at)), 0.0, 1.0);
 }

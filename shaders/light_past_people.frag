@@ -5,6 +5,7 @@
 //   background_m       z in metres, 0 unknown
 //   background_normal  camera axes, 0 unknown
 //   background_light   of light_background.frag
+//   hides              of light_hidden.frag: more than 0 where people hide a lamp
 //   light              0..1
 #include "common/precision.glsl"
 #include "common/constants.glsl"
@@ -15,34 +16,33 @@
 layout(binding = 0) uniform sampler2D background_m;
 layout(binding = 1) uniform sampler2D background_normal;
 layout(binding = 2) uniform sampler2D background_light;
-layout(std140, binding = 1) uniform PeopleLamps { Lamp people_lamps[most_lamps]; };
-layout(binding = 6) uniform sampler2DArray people_maps;
+layout(binding = 3) uniform sampler2D hides;
 out float light;
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
   light = texelFetch(background_light, at, 0).r;
-  float z = texelFetch(background_m, at, 0).r;
-  if (light >= 1.0 || z <= 0.0) return;
-  vec3 ray = ray_of(at), stored = texelFetch(background_normal, at, 0).xyz;
-  vec3 normal = normalize(stored == vec3(0) ? -ray : stored);
-  bool hidden = false;  // people hide some lamp
-  int whole_lamps = lamp_count > 0 ? lamps[lamp_count - 1].map_size_texel.z + 1 : 0;
-  for (int i = 0; i < whole_lamps && !hidden; ++i)
-    hidden = visibility_past(people_lamps[i], people_maps, i, ray * z, normal) < 1.0;
-  if (!hidden) return;
-  float with_objects = ambient_past_objects(ray * z, normal), without = luminance(ambient);
+  if (texelFetch(hides, at, 0).r <= 0.0) return;
+  vec3 position_m = ray_of(at) * texelFetch(background_m, at, 0).r;
+  vec3 normal = normal_of(background_normal, at);
+  float with_objects = ambient_past_objects(position_m, normal), without = luminance(ambient);
   int past_of = -1;
   float past = 1.0;
   for (int i = 0; i < lamp_count; ++i) {
-    float of_lamp = luminance(irradiance(i, ray * z, normal));
+    float of_lamp = luminance(irradiance(i, position_m, normal));
     if (of_lamp <= 0.0) continue;
     int whole = lamps[i].map_size_texel.z;
-    if (whole != past_of)
-      past = visibility_past(people_lamps[whole], people_maps, whole, ray * z, normal);
+    float seen = 1.0;
+    // Past people, once for the parts of a lamp, then past the objects.
+    for (int k = whole != past_of ? 0 : 1; k < 2; ++k) {
+      bool past_people = k == 0;
+      seen = visibility(past_people ? whole : i, past_people, position_m,
+                        past_people ? normal : vec3(0));
+      if (past_people) past = seen;
+    }
     past_of = whole;
-    of_lamp *= seen_in_room(i, ray * z, normal) * past;
-    with_objects += of_lamp * visibility(i, ray * z, vec3(0));
+    of_lamp *= seen_in_room(i, position_m, normal) * past;
+    with_objects += of_lamp * seen;
     without += of_lamp;
   }
   light = without > 0.0 ? clamp(with_objects / without, 0.0, 1.0) : 1.0;

@@ -19,8 +19,6 @@ layout(binding = 2) uniform sampler2D depth;
 layout(binding = 3) uniform sampler2D glosses;   // metallic, roughness, specular
 layout(binding = 4) uniform sampler2D emission;  // linear
 uniform bool glossy, emits;  // whether these two textures are there
-layout(std140, binding = 1) uniform PeopleLamps { Lamp people_lamps[most_lamps]; };
-layout(binding = 6) uniform sampler2DArray people_maps;
 uniform bool has_people;  // people cast shadows
 uniform ivec2 origin_px, size_px;
 uniform float exposure;
@@ -89,10 +87,14 @@ vec3 light_of(ivec2 at, Samples sum) {
     light.straight *= contact.open, light.grazing *= contact.open, light.lost *= contact.open;
   }
   for (int i = 0; i < lamp_count; ++i) {
-    float seen = visibility(i, position_m, normal);
     int whole = lamps[i].map_size_texel.z;
-    if (has_people && whole != past_of)
-      past = visibility_past(people_lamps[whole], people_maps, whole, position_m, normal);
+    float seen = 1.0;
+    // Past people, once for the parts of a lamp, then past the objects.
+    for (int k = has_people && whole != past_of ? 0 : 1; k < 2; ++k) {
+      bool past_people = k == 0;
+      seen = visibility(past_people ? whole : i, past_people, position_m, normal);
+      if (past_people) past = seen;
+    }
     past_of = whole;
     seen *= past * seen_in_room(i, position_m, normal);
     vec3 of_lamp = irradiance(i, position_m, normal) * seen;

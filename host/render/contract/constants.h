@@ -239,6 +239,8 @@ inline constexpr int kShadowTapCount = 24;
 /// Taps of the search and of the filter for one of the four parts of a panel.
 inline constexpr int kPartBlockerTapCount = 6;
 inline constexpr int kPartShadowTapCount = 8;
+/// Part of a turn between the places of neighbouring taps: the golden ratio's.
+inline constexpr float kTapTurn = 0.61803399F;
 /// Texels by which a receiver is lifted along its normal off its own shadow.
 inline constexpr float kLiftTexels = 2.0F;
 /// Largest cosine between a lamp's ray and the normal of the lit surface that its plane is computed
@@ -250,8 +252,8 @@ inline constexpr float kLeastRadiusTexel = 1.0F;
 inline constexpr float kLeastDistance2 = 1e-6F;
 /// Distance, ToF footprints to either side, over which a person's normal is measured.
 inline constexpr float kNormalFootprints = 2.0F;
-/// Most lamps of the gles back end: they take 4.5 KiB of the 16 KiB that every driver's uniform
-/// block has.
+/// Most lamps of the gles back end: with their maps of objects and of people they take 11 KiB of the
+/// 16 KiB that every driver's uniform block has.
 inline constexpr int kMostLamps = 32;
 
 // --- light: ambient light that objects hide (contact_shade.h)

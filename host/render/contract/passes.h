@@ -36,7 +36,7 @@ inline NoiseParams noise_params(const geometry::DepthNoise& noise) {
 /// no two taps share a coordinate.
 inline glm::vec2 panel_tap(int i, int n) {
   const float along = (static_cast<float>(i) + 0.5F) / static_cast<float>(n);
-  const float across = 0.61803399F * (static_cast<float>(i) + 0.5F);
+  const float across = kTapTurn * (static_cast<float>(i) + 0.5F);
   return {2 * along - 1, 2 * (across - std::floor(across)) - 1};
 }
 template <int kTaps>

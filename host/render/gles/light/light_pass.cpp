@@ -15,7 +15,7 @@ namespace mixrig::render::gles {
 namespace {
 
 constexpr int kMapUnit = 7;        // of common/lamps.glsl
-constexpr int kPeopleMapUnit = 6;  // of shade_virtual.frag
+constexpr int kPeopleMapUnit = 6;  // of common/lamps.glsl
 constexpr int kRoomUnit = 5;       // of common/lamps.glsl
 constexpr int kContactUnit = 8;    // of common/contact.glsl
 
@@ -42,34 +42,25 @@ GpuLamp to_gpu(const LampParams& lamp) {
           glm::ivec4(lamp.map_size_texel, lamp.room_layer, lamp.part_of, lamp.is_part)};
 }
 
-/// Makes a uniform buffer for kMostLamps and RoomShadeParams::cell_from_camera.
+constexpr std::size_t kLampBytes = kMostLamps * sizeof(GpuLamp);
+
+/// Makes a uniform buffer for the lamps with their maps of objects, then of people, and for
+/// RoomShadeParams::cell_from_camera.
 BufferHandle make_lamps() {
   GLuint name = 0;
   glGenBuffers(1, &name);
   glBindBuffer(GL_UNIFORM_BUFFER, name);
-  glBufferData(GL_UNIFORM_BUFFER, kMostLamps * sizeof(GpuLamp) + sizeof(glm::mat4), nullptr,
-               GL_DYNAMIC_DRAW);
+  glBufferData(GL_UNIFORM_BUFFER, 2 * kLampBytes + sizeof(glm::mat4), nullptr, GL_DYNAMIC_DRAW);
   return BufferHandle(name);
 }
 
-void upload(const std::vector<LampParams>& from, const BufferHandle& to) {
+/// Writes lamps to the bound uniform buffer.
+void upload(const std::vector<LampParams>& from, std::size_t at) {
   if (from.empty()) return;
   std::array<GpuLamp, kMostLamps> lamps;
   std::transform(from.begin(), from.end(), lamps.begin(), to_gpu);
-  glBindBuffer(GL_UNIFORM_BUFFER, to.get());
-  glBufferSubData(GL_UNIFORM_BUFFER, 0, static_cast<GLsizeiptr>(from.size() * sizeof(GpuLamp)),
-                  lamps.data());
-}
-
-void set_constants(const Program& program) {
-  program.use();
-  const auto set_taps = [&](const char* name, const auto& taps) {
-    glUniform2fv(program.location(name), static_cast<GLsizei>(taps.size()), &taps[0].x);
-  };
-  set_taps("blocker_taps", panel_taps<kBlockerTapCount>());
-  set_taps("shadow_taps", panel_taps<kShadowTapCount>());
-  set_taps("part_blocker_taps", panel_taps<kPartBlockerTapCount>());
-  set_taps("part_shadow_taps", panel_taps<kPartShadowTapCount>());
+  glBufferSubData(GL_UNIFORM_BUFFER, static_cast<GLintptr>(at),
+                  static_cast<GLsizeiptr>(from.size() * sizeof(GpuLamp)), lamps.data());
 }
 
 }  // namespace
@@ -93,6 +84,8 @@ Result<LightPass> LightPass::create(const Tables& tables, const CompositorSetup&
   pass.virtual_color_ = make_texture(view, GL_RGBA16F);
   pass.virtual_w_ = make_texture(view, GL_R32F);
   MIXRIG_ASSIGN(pass.background_, make_step("light_background.frag", {&pass.background_light_}));
+  pass.hides_ = make_texture(view, GL_R8);
+  MIXRIG_ASSIGN(pass.hidden_, make_step("light_hidden.frag", {&pass.hides_}));
   MIXRIG_ASSIGN(pass.past_people_, make_step("light_past_people.frag", {&pass.light_}));
   MIXRIG_ASSIGN(pass.tile_depth_, make_step("light_tile_w.frag", {&pass.tile_w_}));
   MIXRIG_ASSIGN(pass.tiles_, make_step("light_tiles.frag", {&pass.tile_light_}));
@@ -100,7 +93,6 @@ Result<LightPass> LightPass::create(const Tables& tables, const CompositorSetup&
                 make_block_step("light_people.frag", {&pass.light_}, kMayShowPeople, kBlockPx));
   MIXRIG_ASSIGN(pass.shade_,
                 make_step("shade_virtual.frag", {&pass.virtual_color_, &pass.virtual_w_}));
-  for (const Step* step : pass.lit_steps()) set_constants(step->program);
   pass.shade_.program.use();
   glUniform1fv(pass.shade_.program.location("lobe_losses"), kLobeLoss.size(), kLobeLoss.data());
   glUniform1fv(pass.shade_.program.location("lobe_grazings"), kLobeGrazing.size(),
@@ -112,7 +104,6 @@ Result<LightPass> LightPass::create(const Tables& tables, const CompositorSetup&
   pass.glossy_ = pass.shade_.program.location("glossy");
   pass.emits_ = pass.shade_.program.location("emits");
   pass.lamps_ = make_lamps();
-  pass.people_lamps_ = make_lamps();
   return pass;
 }
 
@@ -125,13 +116,12 @@ void LightPass::set_view(const Tables& tables) const {
 }
 
 void LightPass::set_lamps(const FrameParams& params) {
-  upload(params.lamps, lamps_);
-  if (!params.room_share.empty()) {
-    glBindBuffer(GL_UNIFORM_BUFFER, lamps_.get());
-    glBufferSubData(GL_UNIFORM_BUFFER, kMostLamps * sizeof(GpuLamp), sizeof(glm::mat4),
+  glBindBuffer(GL_UNIFORM_BUFFER, lamps_.get());
+  upload(params.lamps, 0);
+  upload(params.people_lamps, kLampBytes);
+  if (!params.room_share.empty())
+    glBufferSubData(GL_UNIFORM_BUFFER, 2 * kLampBytes, sizeof(glm::mat4),
                     &params.room.cell_from_camera);
-  }
-  upload(params.people_lamps, people_lamps_);
   place_contacts(params);
   for (const Step* step : lit_steps()) {
     step->program.set("ambient", params.light.ambient);
@@ -274,7 +264,6 @@ void LightPass::shade_virtual(const FrameParams& params, const VirtualPass& samp
 }
 
 void LightPass::bind_people(GLuint maps) const {
-  glBindBufferBase(GL_UNIFORM_BUFFER, 1, people_lamps_.get());
   glActiveTexture(GL_TEXTURE0 + kPeopleMapUnit);
   glBindTexture(GL_TEXTURE_2D_ARRAY, maps);
 }
@@ -296,8 +285,9 @@ void LightPass::draw_people(const People& people, GLuint shadow_maps,
   if (past.maps != 0) {
     bind_people(past.maps);
     bind_lamps(shadow_maps);
-    run(past_people_,
-        {past.background_m, past.normal ? past.normal : &normal_, &background_light_});
+    const Texture* const normal = past.normal ? past.normal : &normal_;
+    run(hidden_, {past.background_m, normal, &background_light_});
+    run(past_people_, {past.background_m, normal, &background_light_, &hides_});
   } else {
     copy_background();
   }

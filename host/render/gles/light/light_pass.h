@@ -59,13 +59,14 @@ class LightPass {
   void bind_people(GLuint maps) const;
   void place_contacts(const FrameParams& params) const;
   void copy_background() const;
-  std::array<const Step*, 4> lit_steps() const {
-    return {&background_, &past_people_, &tiles_, &shade_};
+  std::array<const Step*, 5> lit_steps() const {
+    return {&background_, &hidden_, &past_people_, &tiles_, &shade_};
   }
 
-  Texture normal_, background_light_, tile_w_, tile_light_, light_, virtual_color_, virtual_w_;
-  Step background_, past_people_, tile_depth_, tiles_, people_, shade_;
-  BufferHandle lamps_, people_lamps_;
+  Texture normal_, background_light_, hides_, tile_w_, tile_light_, light_;
+  Texture virtual_color_, virtual_w_;
+  Step background_, hidden_, past_people_, tile_depth_, tiles_, people_, shade_;
+  BufferHandle lamps_;
   TextureHandle room_, contacts_;
   GLint shade_origin_px_ = -1, shade_size_px_ = -1, has_people_ = -1, glossy_ = -1, emits_ = -1;
 };
