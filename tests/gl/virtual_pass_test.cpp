@@ -42,6 +42,16 @@ class VirtualPassTest : public GlTest {
   Image<glm::vec4> albedo_, normal_;
 };
 
+TEST(VirtualSamples, of_a_view_wider_than_half_a_texture_are_refused) {
+  EXPECT_TRUE(check_samples({2048, 1536}, 4096));
+  const auto refused = check_samples({2560, 1440}, 4096);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(refused.error().context,
+            "the OpenGL ES driver has textures of 4096 texels, virtual objects in a view of 2560 x "
+            "1440 need 5120: use a smaller view or --backend cpu");
+}
+
 TEST_F(VirtualPassTest, covers_the_samples_inside_and_no_other) {
   // At z = 2 the edges at -0.4375 and 0.25 m are at pixels 4.0 and 9.5.
   const Quad quad({-0.4375F, -0.4375F}, {0.25F, 0.25F}, 2);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "host/render/gles/gl/gl_convention.h"
 
 namespace mixrig::render::gles {
@@ -12,6 +14,15 @@ constexpr int kGrain = 128;  // samples by which the target grows
 int round_up(int value) { return (value + kGrain - 1) / kGrain * kGrain; }
 
 }  // namespace
+
+Result<void> check_samples(Size view, int most_texels) {
+  const int side = kVirtualSamples * std::max(view.width, view.height);
+  if (side <= most_texels) return {};
+  return Error{ErrorCode::kUnsupported,
+               fmt::format("the OpenGL ES driver has textures of {} texels, virtual objects in a "
+                           "view of {} x {} need {}: use a smaller view or --backend cpu",
+                           most_texels, view.width, view.height, side)};
+}
 
 Result<VirtualPass> VirtualPass::create(bool glossy) {
   VirtualPass pass;

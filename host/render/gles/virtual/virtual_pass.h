@@ -11,6 +11,10 @@
 
 namespace mixrig::render::gles {
 
+/// Checks that the samples of a view fit into a texture whose sides are at most `most_texels`.
+/// Errors: kUnsupported.
+Result<void> check_samples(Size view, int most_texels);
+
 class VirtualPass {
  public:
   /// `glossy`: also draws gloss and emission.

@@ -19,6 +19,9 @@ Result<VirtualThings> VirtualThings::create(const CompositorSetup& setup, const 
 
 /// Makes only the passes that the scene needs.
 Result<void> VirtualThings::create_passes(const Tables& tables) {
+  GLint most_texels = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most_texels);
+  MIXRIG_TRY(check_samples(tables.view_size, most_texels));
   MIXRIG_ASSIGN(virtual_, VirtualPass::create(frame_->glossy || frame_->emits));
   MIXRIG_ASSIGN(edges_, EdgePass::create(tables));
   MIXRIG_ASSIGN(light_, LightPass::create(tables, *setup_));
