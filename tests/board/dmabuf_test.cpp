@@ -174,7 +174,7 @@ class Imports : public test::GlTest {
     pass_->decode(picture.raw, *planes);
     pass_->draw();
     const auto in_place = test::read(pass_->in_view());
-    pass_->upload_plate(picture.decoded);
+    EXPECT_TRUE(pass_->upload_plate(picture.decoded));
     pass_->draw();
     const auto copied = test::read(pass_->in_view());
     int count = 0;

@@ -29,7 +29,7 @@ TEST_F(PlatePassTest, samples_in_linear_light_and_clamps_at_the_border) {
   auto pass = PlatePass::create(tables);
   ASSERT_TRUE(pass) << pass.error().context;
   const Image<Rgb8> plate = steps();
-  pass->upload_plate(plate);
+  ASSERT_TRUE(pass->upload_plate(plate));
   pass->draw();
   const auto view = read(pass->in_view());
   EXPECT_EQ(glm::round(255.0F * view.at(3, 7)), glm::vec4(36, 105, 77, 255));
@@ -49,7 +49,7 @@ TEST_F(PlatePassTest, mean_of_black_and_white_is_bright) {
   const auto plate = make_image<Rgb8>({2, 1}, [](int x, int) {
     return x == 0 ? Rgb8{} : Rgb8{255, 255, 255};
   });
-  pass->upload_plate(plate);
+  ASSERT_TRUE(pass->upload_plate(plate));
   pass->draw();
   EXPECT_NEAR(255 * read(pass->in_view()).at(0, 0).r, 188, 1);  // linear 0.5, not byte 128
 }
@@ -61,12 +61,24 @@ TEST_F(PlatePassTest, multiplies_light_against_vignetting) {
   tables.plate_gain = make_image<float>({2, 1}, [](int x, int) { return x == 0 ? 1.0F : 1.5F; });
   auto pass = PlatePass::create(tables);
   ASSERT_TRUE(pass);
-  pass->upload_plate(Image<Rgb8>({2, 1}, Rgb8{120, 60, 240}));
+  ASSERT_TRUE(pass->upload_plate(Image<Rgb8>({2, 1}, Rgb8{120, 60, 240})));
   pass->draw();
   const auto view = read(pass->in_view());
   EXPECT_EQ(glm::round(255.0F * view.at(0, 0)), glm::vec4(120, 60, 240, 255));
   // sRGB 120 and 60 are linear 0.18782 and 0.04519; 1.5 times that is sRGB 144.7 and 73.6.
   EXPECT_EQ(glm::round(255.0F * view.at(1, 0)), glm::vec4(145, 74, 255, 255));
+}
+
+TEST_F(PlatePassTest, second_round_of_buffers_holds_its_own_pictures) {
+  render::Tables tables;
+  tables.plate_size = tables.view_size = {2, 1};
+  tables.plate_is_view = true;
+  auto pass = PlatePass::create(tables);
+  ASSERT_TRUE(pass);
+  for (std::uint8_t i = 1; i < 9; ++i) {
+    ASSERT_TRUE(pass->upload_plate(Image<Rgb8>({2, 1}, Rgb8{i, 60, 240})));
+    EXPECT_EQ(glm::round(255.0F * read(pass->in_view()).at(1, 0)), glm::vec4(i, 60, 240, 255));
+  }
 }
 
 TEST_F(PlatePassTest, draws_nothing_without_a_lens) {

@@ -62,7 +62,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, const ImportedPlanes*
   StageTimer& timer = *frame.timer;
   {
     const StageScope stage(timer, Stage::kUpload, true);
-    upload(input, planes == nullptr);
+    MIXRIG_TRY(upload(input, planes == nullptr));
   }
   const NeededPasses needed = needed_passes(frame.wanted, things_ != nullptr, setup_);
   if (passes_.plate.draws() || planes != nullptr) {
@@ -118,15 +118,16 @@ ToneCurve GlesCompositor::tone_of(const FrameInput& input) {
 }
 
 /// Uploads the frame's pictures, and computes on the host what depends on them.
-void GlesCompositor::upload(const FrameInput& input, bool with_plate) {
+Result<void> GlesCompositor::upload(const FrameInput& input, bool with_plate) {
   follow(input);
   passes_.take_look(input);
   if (!passes_.room.is_drawn()) tone_ = tone_of(input);
   if (passes_.key) passes_.key->follow(input, passes_.plate.in_view());
-  if (with_plate) passes_.plate.upload_plate(input.plate);
+  if (with_plate) MIXRIG_TRY(passes_.plate.upload_plate(input.plate));
   passes_.correct.upload_depth(input.tof_depth_m);
   if (passes_.second_depth && !input.tof2_depth_m.empty())
     passes_.second_depth->upload_depth(input.tof2_depth_m);
+  return {};
 }
 
 /// Draws the matte and people's depth.

@@ -54,7 +54,7 @@ class GlesCompositor final : public Compositor {
   ToneCurve tone_of(const FrameInput& input);
   void follow(const FrameInput& input);
   void see_through_lens();
-  void upload(const FrameInput& input, bool with_plate);
+  Result<void> upload(const FrameInput& input, bool with_plate);
   void draw_depth(bool two, StageTimer& timer);
   void key_people(const FrameInput& input);
   Result<void> draw_mix(OutputMask wanted);

@@ -6,7 +6,7 @@ namespace mixrig::render::gles {
 Result<PlatePass> PlatePass::create(const Tables& tables) {
   PlatePass pass;
   pass.is_view_ = tables.plate_is_view;
-  pass.plate_ = make_texture(tables.plate_size, GL_SRGB8, Sampling::kLinear);
+  pass.plate_ = make_texture(tables.plate_size, GL_SRGB8_ALPHA8, Sampling::kLinear);
   if (pass.is_view_) return pass;
   pass.map_ = make_texture(tables.plate_px.view(), GL_RG32F);
   Image<float> none({1, 1}, 1.0F);
@@ -24,9 +24,9 @@ Result<void> PlatePass::prepare_decoding() {
   return {};
 }
 
-void PlatePass::upload_plate(ImageView<const Rgb8> plate) {
-  upload(plate_, plate);
+Result<void> PlatePass::upload_plate(ImageView<const Rgb8> plate) {
   is_decoded_ = false;
+  return uploads_.upload(plate_, plate);
 }
 
 void PlatePass::decode(const RawPicture& picture, const ImportedPlanes& planes) {

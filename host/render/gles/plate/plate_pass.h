@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "host/render/gles/gl/gl_step.h"
+#include "host/render/gles/gl/upload_ring.h"
 #include "host/render/gles/plate/decode_pass.h"
 
 namespace mixrig::render::gles {
@@ -15,7 +16,8 @@ class PlatePass {
   static Result<PlatePass> create(const Tables& tables);
   /// Makes the decoder; call it before the first decode(). Errors: those of make_step.
   Result<void> prepare_decoding();
-  void upload_plate(ImageView<const Rgb8> plate);
+  /// Errors: those of UploadRing.
+  Result<void> upload_plate(ImageView<const Rgb8> plate);
   /// Decodes a plate on the GPU, instead of upload_plate().
   void decode(const RawPicture& picture, const ImportedPlanes& planes);
   /// Uploads the plate pixel of each view pixel, for another lens. Precondition: draws().
@@ -32,6 +34,7 @@ class PlatePass {
 
   bool is_view_ = false, is_decoded_ = false;
   Texture plate_, map_, gain_, view_;
+  UploadRing uploads_;
   Step step_;
   std::optional<DecodePass> decode_;
 };
