@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/render/gles/plate/plate_pass.h"
 
+#include "tests/gl/dropped.h"
 #include "tests/gl/gl_fixture.h"
 
 namespace mixrig::test {
@@ -79,6 +80,17 @@ TEST_F(PlatePassTest, second_round_of_buffers_holds_its_own_pictures) {
     ASSERT_TRUE(pass->upload_plate(Image<Rgb8>({2, 1}, Rgb8{i, 60, 240})));
     EXPECT_EQ(glm::round(255.0F * read(pass->in_view()).at(1, 0)), glm::vec4(i, 60, 240, 255));
   }
+}
+
+TEST_F(PlatePassTest, drops_what_its_target_held) {
+  render::Tables tables;
+  tables.plate_size = tables.view_size = {2, 1};
+  tables.plate_px = make_image<glm::vec2>({2, 1}, [](int x, int) { return glm::vec2(x, 0); });
+  auto pass = PlatePass::create(tables);
+  ASSERT_TRUE(pass);
+  const int before = dropped_count();
+  pass->draw();
+  EXPECT_EQ(dropped_count() - before, 1);
 }
 
 TEST_F(PlatePassTest, draws_nothing_without_a_lens) {

@@ -111,6 +111,7 @@ void GlesCompositor::draw_depth(bool two, StageTimer& timer) {
   passes_.warp.draw(correct.vertices(), correct.tof_ray(), correct.raw_z_m(),
                     colors ? &passes_.plate.in_view() : nullptr);
   if (two) passes_.second_depth->add_to(passes_.warp);
+  passes_.warp.finish();
 }
 
 ToneCurve GlesCompositor::tone_of(const FrameInput& input) {

@@ -185,6 +185,7 @@ void BackgroundPass::draw_surfaces(const geometry::Pose& world_from_camera) {
       part.warp.add(part.faces[i].vertices, part.correct.tof_ray(), part.correct.raw_z_m(),
                     view.target());
     }
+  view.finish();
 }
 
 namespace {
@@ -195,11 +196,17 @@ void keep_best(bool first) {
   glDepthFunc(first ? GL_ALWAYS : GL_GREATER);
 }
 
+/// Draws one of several models: the first one writes every pixel.
+void draw_best(bool first, const Step& step, std::initializer_list<const Texture*> inputs) {
+  first ? run(step, inputs) : run_over(step, inputs);
+}
+
 }  // namespace
 
 void BackgroundPass::look_up(bool with_light) {
   for (const Part& part : parts_) {
-    if (several_) keep_best(&part == &parts_.front());
+    const bool first = &part == &parts_.front();
+    if (several_) keep_best(first);
     part.look_up.program.use();
     set_uniform(part.look_up_at, std::span(part.face_from_camera).first(part.faces.size()));
     std::array<glm::vec3, kMostLightPlanes + 1> planes{};  // zero: there is none
@@ -207,7 +214,7 @@ void BackgroundPass::look_up(bool with_light) {
       planes_in_camera(part.tables, std::span(part.pose).first(part.faces.size()), planes);
     set_uniform(part.planes_at,
                 std::span<const glm::vec3>(planes).first(part.tables.planes.size() + 1));
-    run(part.look_up, {&w(), &part.sigma_m, &part.normal, &part.w});
+    draw_best(first, part.look_up, {&w(), &part.sigma_m, &part.normal, &part.w});
   }
   glDisable(GL_DEPTH_TEST);
 }
@@ -217,10 +224,9 @@ void BackgroundPass::find_color() {
   for (const Part& part : parts_) {
     if (!part.has_color) continue;
     if (several_) keep_best(first);
-    first = false;
     part.find_color.program.use();
     set_uniform(part.find_color_at, std::span(part.face_from_camera).first(part.faces.size()));
-    run(part.find_color, {&w(), &part.w, &part.color});
+    draw_best(std::exchange(first, false), part.find_color, {&w(), &part.w, &part.color});
   }
   glDisable(GL_DEPTH_TEST);
 }

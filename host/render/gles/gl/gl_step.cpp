@@ -50,6 +50,12 @@ void run(const Step& step, std::initializer_list<const Texture*> inputs) {
 void run_into(const Target& target, const Step& step,
               std::initializer_list<const Texture*> inputs) {
   prepare(target, step, inputs);
+  drop_content(target);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void run_over(const Step& step, std::initializer_list<const Texture*> inputs) {
+  prepare(step.target, step, inputs);
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 

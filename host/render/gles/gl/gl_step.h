@@ -24,11 +24,15 @@ Result<Step> make_block_step(const char* fragment_stage,
                              std::initializer_list<const Texture*> outputs, int wanted_flags,
                              int pitch_px);
 
-/// Draws a step with these inputs on units 0, 1, ...; null leaves a unit as it is.
+/// Draws a step with these inputs on units 0, 1, ...; null leaves a unit as it is. The step writes
+/// every pixel: what its target held is dropped.
 void run(const Step& step, std::initializer_list<const Texture*> inputs);
-/// Draws a step into another target than its own.
+/// Draws a step that discards pixels, blends, or is limited by scissors or depth: pixels that it
+/// does not write keep what they held.
+void run_over(const Step& step, std::initializer_list<const Texture*> inputs);
+/// Draws a step, as run() does, into another target than its own.
 void run_into(const Target& target, const Step& step, std::initializer_list<const Texture*> inputs);
-/// Draws a block step; `blocks` holds the flags.
+/// Draws a block step; `blocks` holds the flags. Other blocks keep what they held.
 void run_blocks(const Step& step, const Texture& blocks,
                 std::initializer_list<const Texture*> inputs);
 

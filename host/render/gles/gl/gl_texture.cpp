@@ -81,7 +81,8 @@ void bind(int unit, const Texture& texture) {
 Result<Target> make_target(std::initializer_list<const Texture*> colors, const Texture* depth) {
   GLuint name = 0;
   glGenFramebuffers(1, &name);
-  Target target{FramebufferHandle(name), depth ? depth->size : (*colors.begin())->size};
+  Target target{FramebufferHandle(name), depth ? depth->size : (*colors.begin())->size,
+                static_cast<int>(colors.size()), depth != nullptr};
   glBindFramebuffer(GL_FRAMEBUFFER, name);
   std::array<GLenum, 8> buffers{};
   GLsizei count = 0;
@@ -99,6 +100,21 @@ Result<Target> make_target(std::initializer_list<const Texture*> colors, const T
                fmt::format("the OpenGL ES driver cannot draw into a framebuffer of {} x {}: use "
                            "--backend cpu",
                            target.size.width, target.size.height)};
+}
+
+void drop_content(const Target& target) {
+  std::array<GLenum, 9> attachments{};
+  GLsizei count = 0;
+  for (; count < target.colors; ++count)
+    attachments[static_cast<std::size_t>(count)] =
+        GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(count);
+  if (target.has_depth) attachments[static_cast<std::size_t>(count++)] = GL_DEPTH_ATTACHMENT;
+  glInvalidateFramebuffer(GL_FRAMEBUFFER, count, attachments.data());
+}
+
+void drop_depth(const Target& target) {
+  constexpr GLenum kDepth = GL_DEPTH_ATTACHMENT;
+  if (target.has_depth) glInvalidateFramebuffer(GL_FRAMEBUFFER, 1, &kDepth);
 }
 
 void bind(const Target& target) {

@@ -258,8 +258,8 @@ void LightPass::shade_virtual(const FrameParams& params, const VirtualPass& samp
   bind_lamps(shadow_maps);
   glEnable(GL_SCISSOR_TEST);
   glScissor(rect.x0, rect.y0, rect.x1 - rect.x0, rect.y1 - rect.y0);
-  run(shade_, {&samples.albedo(), &samples.normal(), &samples.depth(), samples.gloss(),
-               samples.emission()});
+  run_over(shade_, {&samples.albedo(), &samples.normal(), &samples.depth(), samples.gloss(),
+                    samples.emission()});
   glDisable(GL_SCISSOR_TEST);
 }
 

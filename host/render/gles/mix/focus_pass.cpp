@@ -50,7 +50,7 @@ void FocusPass::find_plane(const Focus& focus, const Texture& mixed_m) const {
   if (focus.distance_m > 0) return;  // a fixed focus does not change
   plane_.program.use();
   set_uniform(pixel_, *focus.pixel);
-  run(plane_, {&mixed_m});
+  run_over(plane_, {&mixed_m});
 }
 
 void FocusPass::draw(const Focus& focus, const Texture& color, const Texture& mixed_m) const {

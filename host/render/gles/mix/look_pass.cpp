@@ -46,8 +46,8 @@ void LookPass::draw(const Rect& rect, const Texture& virtual_color,
   const int x0 = std::max(rect.x0 - kBlurReach, 0), y0 = std::max(rect.y0 - kBlurReach, 0);
   glEnable(GL_SCISSOR_TEST);
   glScissor(x0, y0, rect.x1 + kBlurReach - x0, rect.y1 + kBlurReach - y0);
-  run(along_, {&virtual_color});
-  run(down_, {&across_, &virtual_w});
+  run_over(along_, {&virtual_color});
+  run_over(down_, {&across_, &virtual_w});
   glDisable(GL_SCISSOR_TEST);
 }
 

@@ -29,7 +29,7 @@ void MotionPass::draw(const MotionParams& params, const Texture& virtual_color,
   const Rect& r = params.rect;
   glEnable(GL_SCISSOR_TEST);
   glScissor(r.x0, r.y0, r.x1 - r.x0, r.y1 - r.y0);
-  run(step_, {&virtual_color, &virtual_w});
+  run_over(step_, {&virtual_color, &virtual_w});
   glDisable(GL_SCISSOR_TEST);
 }
 

@@ -22,7 +22,7 @@ void EdgePass::draw(const Rect& rect, float tap, const Texture& sharp_color,
   set_uniform(edge_tap_, tap);
   glEnable(GL_SCISSOR_TEST);
   glScissor(rect.x0, rect.y0, rect.x1 - rect.x0, rect.y1 - rect.y0);
-  run(soften_, {&sharp_color, &sharp_w});
+  run_over(soften_, {&sharp_color, &sharp_w});
   glDisable(GL_SCISSOR_TEST);
 }
 

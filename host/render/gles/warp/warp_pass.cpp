@@ -77,6 +77,11 @@ void WarpPass::clear() const {
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 }
 
+void WarpPass::finish() const {
+  bind(target_);
+  drop_depth(target_);
+}
+
 void WarpPass::add(const Texture& vertices, const Texture& tof_ray, const Texture& raw_z_m,
                    const Target& target, const Texture* plate) const {
   find_triangles(vertices);

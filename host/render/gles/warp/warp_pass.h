@@ -24,6 +24,8 @@ class WarpPass {
     add(vertices, tof_ray, raw_z_m, target_, plate);
   }
   void clear() const;
+  /// Drops the depth of the target. Called after the last draw or add() of a frame.
+  void finish() const;
   /// Draws into `target` without clearing it; nearer surfaces win.
   void add(const Texture& vertices, const Texture& tof_ray, const Texture& raw_z_m,
            const Target& target, const Texture* plate = nullptr) const;
