@@ -1,147 +1,18 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass warp, second half: transforms a vertex of the ToF mesh (ids as in cells.comp) into the view.
-//   tof_ray   (x/z, y/z) of a ToF pixel
+// Pass warp, last step: transforms a vertex of the ToF mesh (ids as in cells.comp) into the view.
+// GPUs that draw in tiles run it twice.
 //   vertices  from correct_links.frag
-//   raw_z_m   metres, as measured, 0 unknown
-//   plate     in the view, linear light; if by_plate
+//   tof_ray   (x/z, y/z) of a ToF pixel
+//   reaches   of warp_reach.frag
 #include "common/precision.glsl"
 #include "common/constants.glsl"
-#include "common/tof.glsl"
-layout(binding = 0) uniform sampler2D vertices;
-layout(binding = 1) uniform sampler2D tof_ray;
-layout(binding = 2) uniform sampler2D raw_z_m;
-layout(binding = 3) uniform sampler2D plate;
-uniform mat4 camera_from_tof, clip_from_camera;
-uniform vec2 focal_px, center_px;
-uniform float open_reach_now, shut_reach_now;
-uniform bool mixed_pixels, by_plate;
+#include "common/mesh.glsl"
+layout(binding = 2) uniform sampler2D reaches;
+uniform mat4 clip_from_camera;
 // w of the ToF point, negative in cut cells, and z of the homogeneous point in camera axes: both
 // are affine over the triangle in space, and their quotient is w in the view.
 out vec2 w_and_z;
-
-// Half a step of the ray towards the neighbour in direction d; 0 if that has no ray.
-vec2 half_step(ivec2 at, vec2 ray, ivec2 d) {
-  vec2 other = texelFetch(tof_ray, at + d, 0).xy;
-  bool is_nan = (floatBitsToInt(other.x) & 0x7fffffff) > 0x7f800000;
-  return is_nan ? vec2(0) : 0.5 * (other - ray);
-}
-
-// Place in the view, px from its centre.
-vec2 place_px(vec2 ray, float w) {
-  vec3 q = (camera_from_tof * vec4(ray, 1.0, w)).xyz;
-  return q.z > 0.0 ? focal_px * q.xy / q.z : vec2(0.0);
-}
-
-// Extension past the sample, in half steps, by whether the view sees a gap or an overlap there.
-float by_sight(vec2 ray, vec2 half_step, float w, float other_w) {
-  vec2 border = place_px(ray + half_step, w), out_px = border - place_px(ray, w);
-  float opens_px = dot(place_px(ray + half_step, other_w) - border, out_px) /
-                   max(length(out_px), 1e-6);
-  float part = min(1.0, abs(opens_px) / reach_ramp_px);
-  return 1.0 + part * ((opens_px > 0.0 ? open_reach_now : shut_reach_now) - 1.0);
-}
-
-// Whether two neighbours along x or y are linked.
-bool linked(ivec2 at, ivec2 d) {
-  ivec2 from = d.x + d.y > 0 ? at : at + d;
-  if (any(lessThan(from, ivec2(0))) || any(greaterThanEqual(from, textureSize(vertices, 0))))
-    return false;
-  return (int(texelFetch(vertices, from, 0).a) & (d.x != 0 ? 1 : 2)) != 0;
-}
-
-// Share of the nearer surface in a pixel at a step, from its measurement: `pure` if it saw one
-// surface, or a depth that is neither of them nor between.
-float near_share(float z, float near, float far, float pure) {
-  if (z <= 0.0) return hole_share;
-  float by_phase = (far - z) / (far - near);
-  if (by_phase < -share_slack || by_phase > 1.0 + share_slack) return pure;
-  // Amplitudes fall with the square of the distance.
-  float part = clamp(by_phase, 0.0, 1.0);
-  float by_near = part * near * near, by_far = (1.0 - part) * far * far;
-  float share = by_near / (by_near + by_far);
-  return abs(share - pure) < mixed_share ? pure : share;
-}
-
-// By how much the border of the nearer surface lies farther out than midway, in half steps.
-float border_shift(float near, float far, float near_z, float far_z) {
-  if (far - near < share_part_of_depth * near) return 0.0;
-  return 2.0 * (near_share(near_z, near, far, 1.0) + near_share(far_z, near, far, 0.0) - 1.0);
-}
-
-// Roots of the plate's linear light where the surface of w is seen along `ray`.
-vec3 root_of_plate(vec2 ray, float w) {
-  vec3 q = (camera_from_tof * vec4(ray, 1.0, w)).xyz;
-  ivec2 last = textureSize(plate, 0) - 1;
-  vec2 px = clamp(focal_px * q.xy / max(q.z, 1e-6) + center_px, vec2(0.0), vec2(last));
-  // Bilinear in full precision, which a sampler does not offer.
-  ivec2 at = ivec2(px), beyond = min(at + 1, last);
-  vec2 part = px - vec2(at);
-  vec3 upper = mix(texelFetch(plate, at, 0).rgb, texelFetch(plate, ivec2(beyond.x, at.y), 0).rgb,
-                   part.x);
-  vec3 lower = mix(texelFetch(plate, ivec2(at.x, beyond.y), 0).rgb,
-                   texelFetch(plate, beyond, 0).rgb, part.x);
-  return sqrt(mix(upper, lower, part.y));
-}
-
-// Place of the nearer sample's border by the plate's colours, half steps past it, and its
-// confidence. Each side's colour is the mean of two samples at its end; the share of the nearer
-// side in each sample follows from both, and the sum of the shares is the border's place.
-vec2 color_border(vec2 ray, vec2 half_step, float w) {
-  vec3 colors[border_samples];
-  for (int i = 0; i < border_samples; ++i)
-    colors[i] = root_of_plate(ray + (0.5 * float(i) - 1.0) * half_step, w);
-  vec3 near = 0.5 * (colors[0] + colors[1]);
-  vec3 far = 0.5 * (colors[border_samples - 2] + colors[border_samples - 1]);
-  vec3 spread = colors[0] - near, far_spread = colors[border_samples - 1] - far;
-  float sigma2 = border_spread2 + dot(spread, spread) + dot(far_spread, far_spread);
-  vec3 apart = near - far;
-  float apart2 = dot(apart, apart), over = 1.0 / max(apart2, 1e-6), sum = 0.0, off2 = 0.0;
-  for (int i = 1; i < border_samples; ++i) {
-    vec3 from_far = colors[i] - far;
-    float share = over * dot(from_far, apart);
-    vec3 rest = from_far - share * apart;
-    off2 += dot(rest, rest);
-    sum += clamp(share, 0.0, 1.0);
-  }
-  off2 /= float(border_samples - 1);
-  float line2 = sigma2 + border_bent2 * apart2;
-  float sure = apart2 / (apart2 + border_apart * border_apart * sigma2) * line2 / (line2 + off2);
-  return vec2(0.5 * sum - 0.75, sure);
-}
-
-// Half steps by which the surface of pixel `at` is extended towards its neighbour in direction d,
-// which may lie outside the picture.
-float reach(ivec2 at, ivec2 d, float w, vec2 ray, vec2 half_step) {
-  if (d == ivec2(0)) return 0.0;
-  ivec2 beside = at + d;
-  if (any(lessThan(beside, ivec2(0))) || any(greaterThanEqual(beside, textureSize(vertices, 0))) ||
-      linked(at, d))
-    return 1.0;
-  float other_w = value_at(vertices, beside);
-  float sight = other_w >= w ? 1.0 : by_sight(ray, half_step, w, other_w);
-  if (!mixed_pixels) return sight;
-  // Depths by the samples behind, which saw one surface each.
-  float own_z = 1.0 / (linked(at, -d) ? value_at(vertices, at - d) : w);
-  float other_z = 0.0, shift = 0.0;
-  bool near = true;
-  if (other_w > 0.0) {
-    other_z = 1.0 / (linked(beside, d) ? value_at(vertices, beside + d) : other_w);
-    float own_raw = value_at(raw_z_m, at), other_raw = value_at(raw_z_m, beside);
-    near = own_z < other_z;
-    shift = near ? border_shift(own_z, other_z, own_raw, other_raw)
-                 : -border_shift(other_z, own_z, other_raw, own_raw);
-  }
-  float far = sight + shift, near_z = near ? own_z : other_z;
-  bool is_step = other_w <= 0.0 || abs(own_z - other_z) >= share_part_of_depth * near_z;
-  if (by_plate && is_step && half_step != vec2(0)) {
-    vec2 color = near ? color_border(ray, half_step, 1.0 / near_z)
-                      : color_border(ray + 2.0 * half_step, -half_step, 1.0 / near_z);
-    float to = near ? color.x - border_back * max(0.0, 1.0 - sight) : 2.0 - color.x;
-    far += color.y * (to - far);
-  }
-  return clamp(far, 0.0, most_reach);
-}
 
 void main() {
   ivec2 size = textureSize(vertices, 0);
@@ -154,10 +25,11 @@ void main() {
   if (gl_VertexID >= pixels) {
     int corner = (gl_VertexID - pixels) % 9;
     ivec2 to = ivec2(corner % 3 - 1, corner / 3 - 1);
+    vec4 reach = texelFetch(reaches, at, 0);
     vec2 step_x = to.x == 0 ? vec2(0) : half_step(at, ray, ivec2(to.x, 0));
     vec2 step_y = to.y == 0 ? vec2(0) : half_step(at, ray, ivec2(0, to.y));
-    vec2 far = vec2(reach(at, ivec2(to.x, 0), w, ray, step_x),
-                    reach(at, ivec2(0, to.y), w, ray, step_y));
+    vec2 far = vec2(to.x == 0 ? 0.0 : to.x < 0 ? reach.x : reach.y,
+                    to.y == 0 ? 0.0 : to.y < 0 ? reach.z : reach.w);
     ray += far.x * step_x + far.y * step_y;
     w = max(w + 0.5 * dot(vertex.yz, far * vec2(to)), least_corner_part * w);
   }

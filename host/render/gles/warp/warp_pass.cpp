@@ -31,6 +31,8 @@ Result<WarpPass> WarpPass::create_without_view(const Tables& tables) {
   pass.tof_size_ = tables.tof_size;
   MIXRIG_ASSIGN(pass.cells_, make_program("cells.comp"));
   pass.group_cells_ = pass.cells_.work_group_size();
+  pass.reaches_ = make_texture(tables.tof_size, GL_RGBA32F);
+  MIXRIG_ASSIGN(pass.reach_, make_step("warp_reach.frag", {&pass.reaches_}));
   MIXRIG_ASSIGN(pass.warp_, make_program("warp.vert", "warp.frag"));
   pass.set_view(tables);
   GLuint name = 0;
@@ -45,13 +47,19 @@ Result<WarpPass> WarpPass::create_without_view(const Tables& tables) {
   return pass;
 }
 
+void WarpPass::set_pose(const glm::mat4& camera_from_tof) {
+  warp_.set("camera_from_tof", camera_from_tof);
+  reach_.program.set("camera_from_tof", camera_from_tof);
+}
+
 void WarpPass::set_view(const Tables& tables) {
-  warp_.set("camera_from_tof", tables.warp.camera_from_tof);
-  warp_.set("focal_px", tables.warp.view.focal_px);
-  warp_.set("center_px", tables.warp.view.center_px);
-  warp_.set("open_reach_now", tables.warp.open_reach);
-  warp_.set("shut_reach_now", tables.warp.shut_reach);
-  warp_.set("mixed_pixels", tables.warp.mixed_pixels);
+  set_pose(tables.warp.camera_from_tof);
+  const Program& reach = reach_.program;
+  reach.set("focal_px", tables.warp.view.focal_px);
+  reach.set("center_px", tables.warp.view.center_px);
+  reach.set("open_reach_now", tables.warp.open_reach);
+  reach.set("shut_reach_now", tables.warp.shut_reach);
+  reach.set("mixed_pixels", tables.warp.mixed_pixels);
   warp_.set("clip_from_camera", clip_from_camera(tables.warp.view, tables.view_size));
 }
 
@@ -85,18 +93,18 @@ void WarpPass::finish() const {
 void WarpPass::add(const Texture& vertices, const Texture& tof_ray, const Texture& raw_z_m,
                    const Target& target, const Texture* plate) const {
   find_triangles(vertices);
+  reach_.program.set("by_plate", plate != nullptr);
+  run(reach_, {&vertices, &tof_ray, &raw_z_m, plate});
   bind(target);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);
   glEnable(GL_CULL_FACE);
   glCullFace(GL_BACK);
   glFrontFace(GL_CCW);
-  warp_.set("by_plate", plate != nullptr);
   warp_.use();
   bind(0, vertices);
   bind(1, tof_ray);
-  bind(2, raw_z_m);
-  if (plate) bind(3, *plate);
+  bind(2, reaches_);
   glBindVertexArray(vertex_array_.get());
   glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, nullptr);
   glBindVertexArray(0);

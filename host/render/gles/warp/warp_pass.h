@@ -2,8 +2,7 @@
 // Pass warp: draws triangles of the ToF grid into the view and keeps the nearest surface.
 #pragma once
 
-#include "host/render/gles/gl/gl_program.h"
-#include "host/render/gles/gl/gl_texture.h"
+#include "host/render/gles/gl/gl_step.h"
 
 namespace mixrig::render::gles {
 
@@ -13,7 +12,7 @@ class WarpPass {
   /// Makes a pass without a target, only for add() into the target of another pass.
   static Result<WarpPass> create_without_view(const Tables& tables);
   /// Sets the pose, in place of Tables::warp's, for later draws.
-  void set_pose(const glm::mat4& camera_from_tof) { warp_.set("camera_from_tof", camera_from_tof); }
+  void set_pose(const glm::mat4& camera_from_tof);
   /// Sets view and pose from `tables` for later draws.
   void set_view(const Tables& tables);
   /// Draws a grid. `vertices`, `tof_ray`, `raw_z_m`: from CorrectPass. `plate`: in the view, linear
@@ -38,11 +37,12 @@ class WarpPass {
 
   Size tof_size_;
   int group_cells_ = 1;  ///< cells a work group of cells.comp
-  Texture w_, depth_;
+  Texture w_, depth_, reaches_;
   Target target_;
   BufferHandle arguments_, indices_;
   VertexArrayHandle vertex_array_;
   Program cells_, warp_;
+  Step reach_;
 };
 
 }  // namespace mixrig::render::gles
