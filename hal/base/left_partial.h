@@ -23,8 +23,9 @@ inline bool has_left_partial(const std::filesystem::path& wanted) {
 inline Result<void> refuse_left_partial(const std::filesystem::path& wanted) {
   if (!has_left_partial(wanted)) return {};
   return Error{ErrorCode::kUsage, "'" + partial_of(wanted).string() +
-                                      "' holds what a recording that was cut off has left: move "
-                                      "it to another name or remove it, or give another name"};
+                                      "' holds what a recording that was cut off has left: "
+                                      "mixrig info --repair makes a take of it; or move it to "
+                                      "another name or remove it, or give another name"};
 }
 
 }  // namespace mixrig

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/base/percentile.h"
+#include "host/capture/take/repair.h"
 #include "host/capture/take/take.h"
 #include "host/capture/take/take_source.h"
 #include "host/output/sheet/contact_sheet.h"
@@ -164,9 +165,23 @@ Result<nlohmann::json> info_take(const std::string& folder) {
 
 struct InfoArguments {
   std::string of, truth, picture;
+  bool repair = false;
 };
 
+/// Makes a take of what a recording has left, then describes it.
+Result<nlohmann::json> repair(const InfoArguments& arguments) {
+  if (!arguments.truth.empty() || !arguments.picture.empty())
+    return Error{ErrorCode::kUsage,
+                 "--repair takes a recording alone: leave --truth and --picture out"};
+  MIXRIG_ASSIGN(const take::Repaired made, take::repair(arguments.of));
+  std::printf("%s\n", made.what.c_str());
+  MIXRIG_ASSIGN(nlohmann::json report, info_take(made.take.string()));
+  report["repaired"] = made.folder.string();
+  return report;
+}
+
 Result<nlohmann::json> info(const InfoArguments& arguments) {
+  if (arguments.repair) return repair(arguments);
   if (model::is_room(arguments.of))
     return info_room({arguments.of, arguments.truth, arguments.picture});
   if (!arguments.truth.empty() || !arguments.picture.empty())
@@ -187,6 +202,8 @@ void add_info_command(Command app, Context& context) {
       .required();
   command.add_option("--truth", arguments->truth, "of a room: the take it was scanned from");
   command.add_option("--picture", arguments->picture, "of a room: PNG of plan and elevation");
+  command.add_flag("--repair", arguments->repair,
+                   "of NAME.partial, left by a recording that was cut off: make it the take NAME");
   command.callback(
       [&context, arguments] { context.action = [arguments] { return info(*arguments); }; });
 }

@@ -293,15 +293,13 @@ Result<void> write_scene(const studio::StudioInfo& info, const std::filesystem::
   return write_file(folder / "scene_mocap.toml", scene_text(info, std::move(camera)));
 }
 
-Result<studio::StudioInfo> write_studio_take(const studio::StudioOptions& options,
-                                             const std::filesystem::path& folder,
-                                             take::StreamFormat format,
-                                             const std::function<void(int)>& progress,
-                                             const std::atomic<bool>* stop) {
-  MIXRIG_ASSIGN(studio::Studio studio, studio::Studio::create(options));
-  const studio::StudioInfo info = studio.info();  // as it is at rest: a lens may zoom
-  const take::TakeInfo take = studio_take_info(info);
-  MIXRIG_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(folder, take, format));
+namespace {
+
+/// Writes all but the end of a take. `info` is that of the studio at rest: a lens may zoom.
+Result<void> write_frames(const studio::StudioOptions& options, studio::Studio& studio,
+                          const studio::StudioInfo& info, const take::TakeInfo& take,
+                          take::TakeWriter& writer, const std::function<void(int)>& progress,
+                          const std::atomic<bool>* stop) {
   MIXRIG_TRY(write_scene(info, writer.staging()));
   if (options.zoom > 1) MIXRIG_TRY(write_lens(options, info, writer.staging()));
   studio::Frame frame;
@@ -332,7 +330,25 @@ Result<studio::StudioInfo> write_studio_take(const studio::StudioOptions& option
     MIXRIG_TRY(write_file(writer.staging() / kFisheyeTruth, fisheye.truth()));
     MIXRIG_TRY(write_file(writer.staging() / kFisheyePeople, fisheye.people()));
   }
-  MIXRIG_TRY(write_moving_rig(options, info, take, head, writer.staging()));
+  return write_moving_rig(options, info, take, head, writer.staging());
+}
+
+}  // namespace
+
+Result<studio::StudioInfo> write_studio_take(const studio::StudioOptions& options,
+                                             const std::filesystem::path& folder,
+                                             take::StreamFormat format,
+                                             const std::function<void(int)>& progress,
+                                             const std::atomic<bool>* stop) {
+  MIXRIG_ASSIGN(studio::Studio studio, studio::Studio::create(options));
+  const studio::StudioInfo info = studio.info();
+  const take::TakeInfo take = studio_take_info(info);
+  MIXRIG_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(folder, take, format));
+  const Result<void> done = write_frames(options, studio, info, take, writer, progress, stop);
+  if (!done) {
+    writer.discard();
+    return done.error();
+  }
   MIXRIG_TRY(writer.finish());
   return info;
 }

@@ -152,6 +152,7 @@ Result<Manifest> parse_manifest(std::string_view text, const std::filesystem::pa
   root.integer("format", {1, 1});
   info.name = root.text_or("name", path.parent_path().filename().string());
   info.root = read_root(root, path.parent_path());
+  manifest.unfinished = root.boolean_or("unfinished", false);
   if (root.has("calibration"))
     info.calibration = config::path_at(root, "calibration", path.parent_path());
   info.color = read_stream(root.required_table("color"));

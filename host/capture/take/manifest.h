@@ -20,6 +20,8 @@ struct Manifest {
   std::string truth_path;                    ///< empty where there is none
   /// Steps of depth and depth2 that mean no measurement beside the first one, which `info` has.
   std::vector<int> further_unknown, further_unknown2;
+  /// It was saved while the take was being written: its counts are not those of the files.
+  bool unfinished = false;
   bool without_tables = false;  ///< a folder without take.toml; its camera is assumed, or that of
                                 ///< info.file
 };
@@ -32,7 +34,7 @@ bool is_matroska(const StreamInfo& stream);
 /// Errors: kFormat (file:line: key ...).
 Result<Manifest> parse_manifest(std::string_view text, const std::filesystem::path& path);
 
-/// Returns the manifest as text, its streams below root ".".
-std::string manifest_text(const TakeInfo& info);
+/// Returns the manifest as text, its streams below root ".". `unfinished`: more frames follow.
+std::string manifest_text(const TakeInfo& info, bool unfinished = false);
 
 }  // namespace mixrig::take

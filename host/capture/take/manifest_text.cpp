@@ -82,9 +82,10 @@ void add_second_depth(const TakeInfo& info, Writer& root) {
 
 }  // namespace
 
-std::string manifest_text(const TakeInfo& info) {
+std::string manifest_text(const TakeInfo& info, bool unfinished) {
   Writer root, pose;
   root.set("format", 1).set("name", info.name).set("root", ".");
+  if (unfinished) root.set("unfinished", true);
   if (!info.calibration.empty()) root.set("calibration", info.calibration.string());
   root.set("color", color_table(info)).set("depth", depth_table(info));
   if (info.amplitude)

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hal/base/image.h"
@@ -71,13 +72,16 @@ class TakeReader {
 
 enum class StreamFormat { kPng, kMatroska };
 
-/// Writes a take folder. All files go into OUT.partial, which finish() renames to OUT; a writer
-/// that is destroyed before finish() leaves nothing. Not thread-safe.
+/// Writes a take folder. All files go into OUT.partial, which finish() renames to OUT. From the
+/// first frame on OUT.partial is a take that TakeReader opens; every second what was written is
+/// brought to the disk, in a thread of the writer. A writer that is destroyed before finish()
+/// leaves OUT.partial if a frame was written, else nothing. Not thread-safe.
 class TakeWriter {
  public:
   /// Creates a take. `info` gives cameras, rig, depth units and rates; the writer sets counts and
   /// paths, and copies the file info.calibration into the take.
-  /// Errors: kUsage if `folder` exists and is not a take, kIo, kNotFound.
+  /// Errors: kUsage if `folder` exists and is not a take, or if OUT.partial holds what is left of
+  /// one; kIo, kNotFound.
   static Result<TakeWriter> create(const std::filesystem::path& folder, const TakeInfo& info,
                                    StreamFormat format);
   TakeWriter(TakeWriter&&) noexcept;
@@ -89,8 +93,18 @@ class TakeWriter {
   /// of the lens are written only if their stamp is later than the last.
   Result<void> write(const capture::Capture& frame);
   Result<void> write_truth(const capture::Truth& truth);  ///< after write() of the same frame
+  /// Appends whole rows to a further table, which the first call makes with its header. Errors:
+  /// kIo.
+  Result<void> append(const char* table, const char* header, std::string_view rows);
+  /// A further file in staging() that is to be brought to the disk with the take.
+  void wrote(const std::filesystem::path& file);
   /// Folder for further files (scene.toml, models) before finish().
   const std::filesystem::path& staging() const;
+  /// Drops what was written: for takes that can be made again.
+  void discard();
+  /// Completes the take, also after an error of write(): it then holds the frames that are whole.
+  /// Errors: kIo, kData without a frame, those of the streams. If a stream could not be ended the
+  /// take is there all the same.
   Result<void> finish();
 
  private:

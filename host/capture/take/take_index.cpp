@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "host/capture/take/growing_table.h"
 #include "host/capture/take/take_state.h"
 #include "host/capture/take/tell_once.h"
 #include "host/capture/take/tum_folder.h"
@@ -24,8 +25,15 @@ constexpr double kMaxPoseGap_s = 0.1;
 
 Result<std::vector<StampedPose>> TakeReader::State::read_poses() {
   const fs::path path = info().root / manifest.pose_file;
-  MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxListBytes));
+  MIXRIG_ASSIGN(const std::string text, read_rows(path));
   return parse_trajectory(text, path.string());
+}
+
+/// Reads a table. Of a take that was cut off a row without an end is left out.
+Result<std::string> TakeReader::State::read_rows(const fs::path& path) const {
+  MIXRIG_ASSIGN(std::string text, config::read_text(path, kMaxListBytes));
+  if (manifest.unfinished) text.resize(whole_rows(text).size());
+  return text;
 }
 
 /// Frames of a recording by mixrig are those of their numbers, whatever their rates.

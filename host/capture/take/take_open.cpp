@@ -10,6 +10,7 @@
 #include "host/capture/take/take_state.h"
 #include "host/capture/take/tell_once.h"
 #include "host/capture/take/tum_folder.h"
+#include "host/capture/take/unfinished.h"
 #include "host/math/config/table.h"
 
 namespace mixrig::take {
@@ -92,26 +93,26 @@ Result<void> TakeReader::State::open_streams() {
 Result<void> TakeReader::State::read_tables() {
   std::error_code error;
   if (const fs::path path = info().root / "ticks.csv"; fs::exists(path, error)) {
-    MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxListBytes));
+    MIXRIG_ASSIGN(const std::string text, read_rows(path));
     MIXRIG_ASSIGN(ticks, parse_ticks(text, path.string()));
   }
   if (const fs::path path = info().root / "pan_tilt.csv"; fs::exists(path, error)) {
-    MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxListBytes));
+    MIXRIG_ASSIGN(const std::string text, read_rows(path));
     MIXRIG_ASSIGN(pan_tilt, parse_pan_tilt(text, path.string()));
   }
   if (const fs::path path = info().root / kLensTable; fs::exists(path, error)) {
-    MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxListBytes));
+    MIXRIG_ASSIGN(const std::string text, read_rows(path));
     MIXRIG_ASSIGN(lens, parse_lens_samples(text, path.string()));
     info().has_lens_values = true;
   }
   const fs::path true_path = info().root / manifest.truth_path / kLensTable;
   if (info().has_truth && fs::exists(true_path, error)) {
-    MIXRIG_ASSIGN(const std::string text, config::read_text(true_path, kMaxListBytes));
+    MIXRIG_ASSIGN(const std::string text, read_rows(true_path));
     MIXRIG_ASSIGN(true_lens, parse_true_lens(text, true_path.string(), info().target.size_px()));
   }
   const fs::path people_path = info().root / manifest.truth_path / kPeopleTable;
   if (info().has_truth && fs::exists(people_path, error)) {
-    MIXRIG_ASSIGN(const std::string text, config::read_text(people_path, kMaxListBytes));
+    MIXRIG_ASSIGN(const std::string text, read_rows(people_path));
     MIXRIG_ASSIGN(people, parse_people(text, people_path.string()));
   }
   return {};
@@ -120,10 +121,14 @@ Result<void> TakeReader::State::read_tables() {
 Result<TakeReader> TakeReader::open(const fs::path& path) {
   auto state = std::make_unique<State>();
   MIXRIG_ASSIGN(state->manifest, open_manifest(path));
+  if (state->manifest.unfinished) {
+    MIXRIG_ASSIGN(const WholePart part, count_whole(state->manifest));
+    tell_once(text_of(part, path.string()));
+  }
   MIXRIG_TRY(state->open_streams());
   MIXRIG_TRY(state->read_tables());
   if (state->info().fisheye) {
-    MIXRIG_ASSIGN(state->fisheye, open_fisheye_stream(state->info()));
+    MIXRIG_ASSIGN(state->fisheye, open_fisheye_stream(state->info(), state->manifest.unfinished));
     state->info().fisheye_rate_hz = state->fisheye->rate_hz();
   }
   state->take_times_from_ticks();

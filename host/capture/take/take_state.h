@@ -23,7 +23,8 @@
 
 namespace mixrig::take {
 
-inline constexpr std::size_t kMaxListBytes = std::size_t{64} << 20;
+/// Of a table; 24 hours of three streams at 25 Hz are 330 MB.
+inline constexpr std::size_t kMaxListBytes = std::size_t{512} << 20;
 
 /// Index of each part of a frame in its stream.
 struct FrameIndex {
@@ -63,6 +64,7 @@ struct TakeReader::State {
   Result<void> index_numbered();
   Result<void> index_lists(const TumLists& lists);
   Result<std::vector<StampedPose>> read_poses();
+  Result<std::string> read_rows(const std::filesystem::path& path) const;
   Result<void> read_tables();
   void take_times_from_ticks();
   void describe(int number, capture::Capture& capture) const;

@@ -220,12 +220,14 @@ TEST(Take, FramesOfARecordingHaveTheTimesOfTheirTicksNotOfTheirNumbers) {
   }
 }
 
-TEST(Take, ADroppedWriterLeavesNothingAndAForeignFolderIsRefused) {
+TEST(Take, ADroppedWriterWithoutAFrameLeavesNothingAndAForeignFolderIsRefused) {
   const test::TemporaryFolder folder;
-  {
+  for (const bool discarded : {false, true}) {
     auto writer = TakeWriter::create(folder / "take", made_info(), StreamFormat::kPng);
     ASSERT_TRUE(writer);
+    if (!discarded) continue;
     ASSERT_TRUE(writer->write(made_frame(1)));
+    writer->discard();
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   folder.write("mine/letter.txt", "dear");

@@ -2,9 +2,11 @@
 #include "host/capture/live/session/record.h"
 
 #include <cstdio>
+#include <iterator>
 #include <memory>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 
 #include "host/capture/live/session/lens_stream.h"
 #include "host/capture/live/session/live_capture.h"
@@ -19,6 +21,9 @@ constexpr Duration kRecordWait = std::chrono::milliseconds(200);
 constexpr Duration kFirstFrameTimeout = std::chrono::seconds(5);  // until the first frame
 // Frames between checks of the free disk space.
 constexpr int kFramesPerDiskCheck = 10;
+constexpr const char *kTicks = "ticks.csv", *kHead = "pan_tilt.csv";
+constexpr const char* kTicksColumns = "frame,stream,tick,counter,mid_exposure_ns,residual_us\n";
+constexpr const char* kHeadColumns = "frame,pan_rad,tilt_rad\n";
 // Space for index and manifest of a take.
 constexpr long kReserve_bytes = 4L << 20;
 
@@ -63,14 +68,8 @@ class Recorder {
   }
 
   Result<void> open_tables() {
-    ticks_.reset(std::fopen((writer_.staging() / "ticks.csv").c_str(), "w"));
-    head_.reset(std::fopen((writer_.staging() / "pan_tilt.csv").c_str(), "w"));
-    if (!ticks_ || !head_)
-      return system_error(ErrorCode::kIo,
-                          "cannot write the tables of '" + writer_.staging().string() + "'", errno);
-    std::fputs("frame,stream,tick,counter,mid_exposure_ns,residual_us\n", ticks_.get());
-    std::fputs("frame,pan_rad,tilt_rad\n", head_.get());
-    return {};
+    MIXRIG_TRY(writer_.append(kTicks, kTicksColumns, {}));
+    return writer_.append(kHead, kHeadColumns, {});
   }
 
   /// Writes a set; false for one without readable colour and depth.
@@ -83,21 +82,17 @@ class Recorder {
     frame_.encoders = lens_ ? lens_->at(at) : std::nullopt;
     MIXRIG_TRY(writer_.write(frame_));
     ++number_;
+    MIXRIG_TRY(write_rows(set));
     MIXRIG_TRY(write_others(set));
-    if (write_rows(set)) return true;
-    return system_error(ErrorCode::kIo,
-                        "cannot write '" + (writer_.staging() / "ticks.csv").string() +
-                            "': check the disk's free space",
-                        errno);
+    return true;
   }
 
   Result<void> finish() {
     std::error_code ignored;  // a remaining file does no harm
     std::filesystem::remove(reserve_, ignored);
-    ticks_.reset();
-    head_.reset();
     return writer_.finish();
   }
+  const fs::path& folder() const { return writer_.staging(); }
   int frames() const { return number_; }
 
  private:
@@ -116,12 +111,13 @@ class Recorder {
       std::snprintf(name, sizeof name, "%06d.png", ++extra.count);
       extra.last = timed.frame->sequence;
       MIXRIG_TRY(image_io::write_png(folder / name, extra.picture.view()));
+      writer_.wrote(folder / name);
     }
     return {};
   }
 
-  bool write_rows(const LiveSet& set) {
-    bool fine = true;
+  Result<void> write_rows(const LiveSet& set) {
+    rows_.clear();
     const std::size_t cameras = devices_.cameras.size();
     for (std::size_t i = 0; i <= cameras + (devices_.depth2 ? 1 : 0); ++i) {
       const auto& timed = set.frames.frames[i];
@@ -129,16 +125,17 @@ class Recorder {
       const std::string& name = i < cameras    ? config_.cameras[i].name
                                 : i == cameras ? config_.depth->name
                                                : config_.depth2->name;
-      fine &= std::fprintf(ticks_.get(), "%d,%s,%llu,%llu,%lld,%.1f\n", number_, name.c_str(),
-                           static_cast<unsigned long long>(timed.pairing.tick),
-                           static_cast<unsigned long long>(timed.frame->sequence),
-                           static_cast<long long>(timed.mid_exposure.time_since_epoch().count()),
-                           seconds(timed.pairing.residual) * 1e6) > 0;
+      fmt::format_to(std::back_inserter(rows_), "{},{},{},{},{},{:.1f}\n", number_, name,
+                     timed.pairing.tick, timed.frame->sequence,
+                     timed.mid_exposure.time_since_epoch().count(),
+                     seconds(timed.pairing.residual) * 1e6);
     }
-    if (set.pan_tilt)
-      fine &= std::fprintf(head_.get(), "%d,%.6f,%.6f\n", number_, set.pan_tilt->pan_rad,
-                           set.pan_tilt->tilt_rad) > 0;
-    return fine;
+    MIXRIG_TRY(writer_.append(kTicks, kTicksColumns, rows_));
+    if (!set.pan_tilt) return {};
+    rows_.clear();
+    fmt::format_to(std::back_inserter(rows_), "{},{:.6f},{:.6f}\n", number_, set.pan_tilt->pan_rad,
+                   set.pan_tilt->tilt_rad);
+    return writer_.append(kHead, kHeadColumns, rows_);
   }
 
   struct Extra {
@@ -154,7 +151,7 @@ class Recorder {
   take::TakeWriter writer_;
   capture::Capture frame_;
   std::vector<Extra> extra_;
-  File ticks_, head_;
+  std::string rows_;  ///< of a frame, reused
   fs::path reserve_;
   HostTime first_{};
   int number_ = 0;
@@ -207,7 +204,8 @@ Result<RecordReport> record(LiveSession& session, const RigConfig& config, const
     return Error{ErrorCode::kDevice,
                  "no frames came from the cameras that could be paired: run mixrig diag"};
   // Frames written before an error are kept as a complete, shorter take.
-  MIXRIG_TRY(recorder.finish());
+  const Result<void> finished = recorder.finish();
+  if (!finished && ended) ended = finished.error();
   if (!ended) {
     Error error = std::move(ended).error();
     error.context += ": the take ends after " + std::to_string(report.frames) + " frames";

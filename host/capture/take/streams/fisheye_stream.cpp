@@ -8,13 +8,14 @@
 
 #include "hal/base/log.h"
 #include "host/capture/capture/fisheye.h"
+#include "host/capture/take/growing_table.h"
 #include "host/capture/take/streams/stored_stream.h"
 #include "host/math/config/table.h"
 
 namespace mixrig::take {
 namespace {
 
-constexpr std::size_t kMaxTableBytes = std::size_t{64} << 20;
+constexpr std::size_t kMaxTableBytes = std::size_t{512} << 20;
 
 double rate_of(const StreamInfo& stream, const std::vector<FisheyeStamp>& stamps) {
   if (stream.rate_hz > 0 || stamps.size() < 2) return stream.rate_hz;
@@ -76,10 +77,13 @@ Result<void> FisheyeStream::read(capture::Capture& capture) {
   return {};
 }
 
-Result<std::unique_ptr<FisheyeStream>> open_fisheye_stream(const TakeInfo& info) {
+Result<std::unique_ptr<FisheyeStream>> open_fisheye_stream(const TakeInfo& info, bool unfinished) {
   const std::filesystem::path table = info.root / kFisheyeTable;
   MIXRIG_ASSIGN(const std::string text, config::read_text(table, kMaxTableBytes));
-  MIXRIG_ASSIGN(auto stamps, parse_fisheye_table(text, table.string()));
+  const std::string_view rows = unfinished ? whole_rows(text) : std::string_view(text);
+  MIXRIG_ASSIGN(auto stamps, parse_fisheye_table(rows, table.string()));
+  if (unfinished)
+    stamps.resize(std::min(stamps.size(), static_cast<std::size_t>(info.fisheye->count)));
   MIXRIG_ASSIGN(auto pictures, open_stored(info.root, *info.fisheye, PixelKind::kRgb8));
   return std::make_unique<FisheyeStream>(*info.fisheye, std::move(pictures), std::move(stamps),
                                          info.path.string());

@@ -57,7 +57,9 @@ class FisheyeStream {
   int loaded_ = -1;  ///< index of `picture_`
 };
 
-/// Opens the stream and its table. Errors: kNotFound, kFormat, kUnsupported.
-Result<std::unique_ptr<FisheyeStream>> open_fisheye_stream(const TakeInfo& info);
+/// Opens the stream and its table; of an `unfinished` take, whose count is that of whole pictures,
+/// further rows are left out. Errors: kNotFound, kFormat, kUnsupported.
+Result<std::unique_ptr<FisheyeStream>> open_fisheye_stream(const TakeInfo& info,
+                                                           bool unfinished = false);
 
 }  // namespace mixrig::take

@@ -35,6 +35,15 @@ std::string why_of(GstMessage* message) {
   return why;
 }
 
+/// Whether the error is one of a file or a device.
+bool is_of_resource(GstMessage* message) {
+  GError* error = nullptr;
+  gst_message_parse_error(message, &error, nullptr);
+  const bool is = error != nullptr && error->domain == GST_RESOURCE_ERROR;
+  g_clear_error(&error);
+  return is;
+}
+
 }  // namespace
 
 Result<void> check_elements(const std::vector<GstNeed>& needs, const std::string& what) {
@@ -103,12 +112,17 @@ Result<void> Pipeline::play() {
 
 Error Pipeline::error(ErrorCode code, const std::string& what) const {
   GstBus* bus = gst_element_get_bus(pipeline_.get());
-  GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
+  std::string why;
+  // An element that cannot write says so; the source after it, that the stream has ended.
+  for (bool names_cause = false; !names_cause;) {
+    GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
+    if (message == nullptr) break;
+    names_cause = is_of_resource(message);
+    if (names_cause || why.empty()) why = why_of(message);
+    gst_message_unref(message);
+  }
   gst_object_unref(bus);
-  if (message == nullptr) return Error{code, what};
-  const std::string why = why_of(message);
-  gst_message_unref(message);
-  return Error{code, what + ": " + why};
+  return Error{code, why.empty() ? what : what + ": " + why};
 }
 
 bool Pipeline::has_failed() const {

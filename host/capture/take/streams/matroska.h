@@ -2,8 +2,12 @@
 // Lossless Matroska streams (FFV1) through GStreamer. Private to this module.
 #pragma once
 
+#include <chrono>
+#include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "host/capture/take/streams/gst_pipeline.h"
 #include "host/capture/take/streams/picture_stream.h"
@@ -23,10 +27,12 @@ class MatroskaWriter {
   /// Creates the file. Errors: kUnsupported, kIo.
   static Result<MatroskaWriter> create(const std::filesystem::path& path, PixelKind kind, Size size,
                                        double rate_hz);
-  /// Appends a frame. Errors: kData for another size, kIo.
+  /// Appends a frame; waits only while the pipeline works on earlier ones. Errors: kData for
+  /// another size, kIo.
   Result<void> write(ImageView<const Rgb8> image);
   Result<void> write(ImageView<const std::uint16_t> image);
-  /// Completes the file; without it the file is incomplete. Errors: kIo.
+  /// Completes the file; without it the file is incomplete. Errors: kIo, also what write() has
+  /// returned.
   Result<void> finish();
 
  private:
@@ -39,6 +45,8 @@ class MatroskaWriter {
         name_(std::move(name)) {}
   template <typename T, typename Fill>
   Result<void> push(ImageView<const T> image, std::size_t bytes_per_pixel, Fill fill_row);
+  Error refused(const std::string& otherwise);
+  std::uint64_t young_frames();
 
   Pipeline pipeline_;
   GstElementPtr source_;
@@ -46,6 +54,8 @@ class MatroskaWriter {
   double rate_hz_;
   std::string name_;
   int frames_ = 0;
+  std::deque<std::chrono::steady_clock::time_point> pushed_;  ///< of the last half second
+  std::optional<Error> failed_;  ///< what write() has returned: nothing more is taken
 };
 
 }  // namespace mixrig::take

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writing of Matroska streams.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -12,20 +13,24 @@ namespace mixrig::take {
 
 namespace {
 
-/// Waits as long as frames are being taken: a busy machine may need longer for them than wait_for()
-/// waits.
-void wait_while_taken(GstElement* source, const Pipeline& pipeline) {
+constexpr guint64 kMostWaitingBytes = guint64{32} << 20;
+/// Waits until at most `most` bytes wait for the encoder: a busy machine may need longer for them
+/// than wait_for() waits. False if the pipeline has failed, or takes nothing for ten seconds; it
+/// never blocks in the pipeline itself.
+bool wait_while_taken(GstElement* source, const Pipeline& pipeline, guint64 most) {
   constexpr auto kMostStill = std::chrono::seconds(10);
   guint64 left = gst_app_src_get_current_level_bytes(GST_APP_SRC(source));
   auto since = std::chrono::steady_clock::now();
-  while (left > 0 && !pipeline.has_failed()) {
+  while (left > most) {
+    if (pipeline.has_failed()) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
     const auto now = std::chrono::steady_clock::now();
     const guint64 level = gst_app_src_get_current_level_bytes(GST_APP_SRC(source));
     if (level != left) since = now;
-    if (now - since > kMostStill) return;
+    if (now - since > kMostStill) return false;
     left = level;
   }
+  return !pipeline.has_failed();
 }
 
 }  // namespace
@@ -39,17 +44,28 @@ const char* raw_format(PixelKind kind) {
 Result<MatroskaWriter> MatroskaWriter::create(const std::filesystem::path& path, PixelKind kind,
                                               Size size, double rate_hz) {
   const int rate_milli_hz = static_cast<int>(std::lround(rate_hz * 1000.0));
-  // Every frame is a key frame, so that readers can seek.
+  // Every frame is a key frame, so that readers can seek. What the encoder gives is in the file at
+  // once: a recording that is cut off has it.
   const std::string description =
       std::string(
-          "appsrc name=source format=time block=true max-bytes=33554432 caps=video/x-raw,format=") +
+          "appsrc name=source format=time block=false max-bytes=0 caps=video/x-raw,format=") +
       raw_format(kind) + ",width=" + std::to_string(size.width) +
       ",height=" + std::to_string(size.height) + ",framerate=" + std::to_string(rate_milli_hz) +
-      "/1000 ! avenc_ffv1 gop-size=1 ! matroskamux ! filesink name=file";
+      "/1000 ! avenc_ffv1 gop-size=1 ! matroskamux min-cluster-duration=500000000 "
+      "max-cluster-duration=1000000000 ! filesink name=file buffer-mode=unbuffered";
   MIXRIG_ASSIGN(Pipeline pipeline, Pipeline::create(description, path));
   GstElementPtr source(pipeline.element("source"));
   MIXRIG_TRY(pipeline.play());
   return MatroskaWriter(std::move(pipeline), std::move(source), size, rate_hz, path.string());
+}
+
+/// Number of frames that were pushed within half a second: only those may wait for the encoder, so
+/// that a process that is killed loses no more, however slow the machine is. At least one may.
+std::uint64_t MatroskaWriter::young_frames() {
+  constexpr auto kMostWaiting = std::chrono::milliseconds(500);
+  const auto oldest = std::chrono::steady_clock::now() - kMostWaiting;
+  while (!pushed_.empty() && pushed_.front() < oldest) pushed_.pop_front();
+  return std::max<std::uint64_t>(pushed_.size(), 1);
 }
 
 template <typename T, typename Fill>
@@ -59,9 +75,13 @@ Result<void> MatroskaWriter::push(ImageView<const T> image, std::size_t bytes_pe
     return Error{ErrorCode::kData, "cannot write '" + name_ + "': frame " +
                                        std::to_string(frames_ + 1) +
                                        " has another size than the first"};
+  if (failed_) return *failed_;
   // GStreamer pads raw rows to four bytes.
   const std::size_t stride = (static_cast<std::size_t>(size_.width) * bytes_per_pixel + 3) / 4 * 4;
   const std::size_t bytes = stride * static_cast<std::size_t>(size_.height);
+  if (!wait_while_taken(source_.get(), pipeline_,
+                        std::min(kMostWaitingBytes, young_frames() * bytes)))
+    return refused("the disk or the machine is too slow");
   auto* data = static_cast<guint8*>(g_malloc0(bytes));
   for (int y = 0; y < size_.height; ++y)
     fill_row(image.row(y), data + static_cast<std::size_t>(y) * stride);
@@ -69,13 +89,19 @@ Result<void> MatroskaWriter::push(ImageView<const T> image, std::size_t bytes_pe
   GST_BUFFER_PTS(buffer) = static_cast<GstClockTime>(std::llround(frames_ / rate_hz_ * GST_SECOND));
   GST_BUFFER_DURATION(buffer) = static_cast<GstClockTime>(std::llround(GST_SECOND / rate_hz_));
   ++frames_;
+  pushed_.push_back(std::chrono::steady_clock::now());
   const GstFlowReturn taken = gst_app_src_push_buffer(GST_APP_SRC(source_.get()), buffer);
-  if (taken == GST_FLOW_OK) return {};
+  return taken == GST_FLOW_OK ? Result<void>() : refused(gst_flow_get_name(taken));
+}
+
+/// The pipeline's own reason, or `otherwise` if it gives none.
+Error MatroskaWriter::refused(const std::string& otherwise) {
   const std::string what = "cannot write '" + name_ + "'";
   Error error = pipeline_.error(ErrorCode::kIo, what);
-  if (error.context == what)  // it posted no reason
-    error.context += ": GStreamer takes no more frames (" + std::string(gst_flow_get_name(taken)) +
-                     "): check the disk's free space";
+  if (error.context == what)
+    error.context +=
+        ": GStreamer takes no more frames (" + otherwise + "): check the disk's free space";
+  failed_ = error;
   return error;
 }
 
@@ -96,7 +122,8 @@ Result<void> MatroskaWriter::write(ImageView<const std::uint16_t> image) {
 }
 
 Result<void> MatroskaWriter::finish() {
-  wait_while_taken(source_.get(), pipeline_);
+  if (failed_) return *failed_;
+  (void)wait_while_taken(source_.get(), pipeline_, 0);
   gst_app_src_end_of_stream(GST_APP_SRC(source_.get()));
   return pipeline_.wait_for(GST_MESSAGE_EOS, "write");
 }

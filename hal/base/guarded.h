@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Turns what a thread throws into an error, so that a run ends in good order.
+#pragma once
+
+#include <exception>
+#include <new>
+#include <string>
+#include <thread>
+#include <type_traits>
+#include <utility>
+
+#include "hal/base/result.h"
+
+namespace mixrig {
+
+/// Calls work(), which returns nothing or a Result<void>. Returns its error, or what it threw as an
+/// error of `name`. Errors: kIo.
+template <typename Work>
+Result<void> guarded(const char* name, Work&& work) {
+  try {
+    if constexpr (std::is_void_v<decltype(work())>) {
+      work();
+      return {};
+    } else {
+      return work();
+    }
+  } catch (const std::bad_alloc&) {
+    return Error{ErrorCode::kIo, std::string(name) + ": no memory is left: stop other programs"};
+  } catch (const std::exception& error) {
+    return Error{ErrorCode::kIo, std::string(name) + " failed unexpectedly: " + error.what()};
+  } catch (...) {
+    return Error{ErrorCode::kIo, std::string(name) + " failed unexpectedly"};
+  }
+}
+
+/// Starts a thread that calls work() once. Its error, or what it threw, is given to
+/// failed(const Error&) in that thread, which must not throw.
+template <typename Work, typename Failed>
+std::thread guarded_thread(const char* name, Work work, Failed failed) {
+  return std::thread([name, work = std::move(work), failed = std::move(failed)]() mutable {
+    const Result<void> done = guarded(name, work);
+    if (!done) failed(done.error());
+  });
+}
+
+}  // namespace mixrig
