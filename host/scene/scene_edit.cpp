@@ -140,6 +140,28 @@ void set_pose(ObjectText& object, const geometry::Pose& pose) {
       number_line("position_m", rounded_numbers(pose.translation_m, kObjectDigits)));
 }
 
+/// Moves the end of the block behind the object's inner tables, and before the comments of the next
+/// table.
+void take_inner_tables(const Lines& lines, Block& block) {
+  while (block.end < lines.size()) {
+    const std::string header = header_of(lines[block.end]);
+    if (!header.empty() && !header.starts_with("[object.")) break;
+    ++block.end;
+  }
+  while (block.end > block.begin + 1 && block.end < lines.size() &&
+         lines[block.end - 1].starts_with('#'))
+    --block.end;
+}
+
+Result<void> check_free(const Scene& scene, const std::filesystem::path& path,
+                        const std::string& name) {
+  if (std::none_of(scene.objects.begin(), scene.objects.end(),
+                   [&](const Object& o) { return o.name == name; }))
+    return {};
+  return Error{ErrorCode::kUsage,
+               path.string() + ": has an object \"" + name + "\": give another name"};
+}
+
 bool is_at(const Object& object, const geometry::Pose& pose) {
   return (object.world_from_object.translation_m - pose.translation_m).norm() <=
              1e-4 * std::max(1.0, pose.translation_m.norm()) &&
@@ -158,13 +180,18 @@ Result<std::string> with_object(std::string_view text, const std::filesystem::pa
   if (edit.hidden)
     config::set_line_in(object.lines, object.block, "hidden",
                         config::value_line("hidden", *edit.hidden));
+  if (edit.name && *edit.name != name) {
+    MIXRIG_TRY(check_free(object.scene, path, *edit.name));
+    config::set_line_in(object.lines, object.block, "name",
+                        config::value_line("name", std::string_view(*edit.name)));
+  }
   std::string edited = text_of_lines(object.lines);
   const auto check = parse_scene(edited, path, false);
   if (!check || check->objects.size() != object.scene.objects.size())
     return cannot_edit(path, kObjectsAreNoTables);
   const Object& now = check->objects[object.index];
   if ((edit.world_from_object && !is_at(now, *edit.world_from_object)) ||
-      (edit.hidden && now.hidden != *edit.hidden))
+      (edit.hidden && now.hidden != *edit.hidden) || (edit.name && now.name != *edit.name))
     return cannot_edit(path, kObjectsAreNoTables);
   return edited;
 }
@@ -178,10 +205,7 @@ Result<std::string> with_object_pose(std::string_view text, const std::filesyste
 Result<std::string> with_new_object(std::string_view text, const std::filesystem::path& path,
                                     const Object& object) {
   MIXRIG_ASSIGN(const Scene scene, parse_scene(text, path, false));
-  if (std::any_of(scene.objects.begin(), scene.objects.end(),
-                  [&](const Object& o) { return o.name == object.name; }))
-    return Error{ErrorCode::kUsage,
-                 path.string() + ": has an object \"" + object.name + "\": give another name"};
+  MIXRIG_TRY(check_free(scene, path, object.name));
   config::Writer table;
   table.set("name", object.name);
   table.set("model", object.model_path.string());
@@ -199,19 +223,31 @@ Result<std::string> with_new_object(std::string_view text, const std::filesystem
   return edited;
 }
 
+Result<std::string> with_object_copy(std::string_view text, const std::filesystem::path& path,
+                                     const std::string& name, const std::string& copy,
+                                     const geometry::Pose& world_from_copy) {
+  MIXRIG_ASSIGN(ObjectText object, find_object(text, path, name));
+  MIXRIG_TRY(check_free(object.scene, path, copy));
+  Block all = object.block;
+  take_inner_tables(object.lines, all);
+  const auto at = [&](std::size_t i) {
+    return object.lines.begin() + static_cast<std::ptrdiff_t>(i);
+  };
+  Lines added(at(all.begin), at(all.end));
+  while (!added.empty() && added.back().empty()) added.pop_back();
+  Block block{0, std::min(object.block.end - object.block.begin, added.size())};
+  config::set_line_in(added, block, "name", config::value_line("name", std::string_view(copy)));
+  added.insert(added.begin(), "");
+  if (all.end < object.lines.size()) added.emplace_back();
+  object.lines.insert(at(all.end), added.begin(), added.end());
+  return with_object_pose(text_of_lines(object.lines), path, copy, world_from_copy);
+}
+
 Result<std::string> without_object(std::string_view text, const std::filesystem::path& path,
                                    const std::string& name) {
   MIXRIG_ASSIGN(ObjectText object, find_object(text, path, name));
-  // The object's inner tables are removed with it.
   Block& block = object.block;
-  while (block.end < object.lines.size()) {
-    const std::string header = header_of(object.lines[block.end]);
-    if (!header.empty() && !header.starts_with("[object.")) break;
-    ++block.end;
-  }
-  while (block.end > block.begin + 1 && block.end < object.lines.size() &&
-         object.lines[block.end - 1].starts_with('#'))
-    --block.end;  // comments before the next table belong to that table
+  take_inner_tables(object.lines, block);
   object.lines.erase(object.lines.begin() + static_cast<std::ptrdiff_t>(block.begin),
                      object.lines.begin() + static_cast<std::ptrdiff_t>(block.end));
   std::string edited = text_of_lines(object.lines);

@@ -32,14 +32,21 @@ struct ObjectEdit {
   std::optional<geometry::Pose> world_from_object;
   std::optional<double> scale;  ///< 1e-6 to 1e6
   std::optional<bool> hidden;
+  std::optional<std::string> name{};
 };
-/// Returns the text with an object changed. Errors: those of with_object_pose().
+/// Returns the text with an object changed. Errors: those of with_object_pose(); kUsage if a new
+/// name is taken.
 Result<std::string> with_object(std::string_view text, const std::filesystem::path& path,
                                 const std::string& name, const ObjectEdit& edit);
 /// Returns the text with a new [[object]] at its end: its name, model (path as written in the
 /// file), pose and scale. Errors: kFormat; kUsage if the name is taken.
 Result<std::string> with_new_object(std::string_view text, const std::filesystem::path& path,
                                     const Object& object);
+/// Returns the text with a copy of an object behind it: all its keys, but this name and pose.
+/// Errors: those of with_object_pose(); kUsage if the name is taken.
+Result<std::string> with_object_copy(std::string_view text, const std::filesystem::path& path,
+                                     const std::string& name, const std::string& copy,
+                                     const geometry::Pose& world_from_copy);
 /// Returns the text without an object. Errors: those of with_object_pose().
 Result<std::string> without_object(std::string_view text, const std::filesystem::path& path,
                                    const std::string& name);

@@ -6,10 +6,7 @@
 #include <fmt/format.h>
 
 #include "hal/base/log.h"
-#include "hal/base/partial_path.h"
 #include "hal/base/recent_log.h"
-#include "host/capture/live/rig/rig_edit.h"
-#include "host/math/config/table.h"
 #include "host/operator/desk/desk_state.h"
 
 namespace mixrig::session {
@@ -42,6 +39,9 @@ OperatorDesk::OperatorDesk(const Session& session, std::shared_ptr<SceneFollower
       clock_(clock),
       options_(std::move(options)),
       scene_(session, std::move(follower)),
+      cameras_(session, scene_.history()),
+      presets_(session, scene_),
+      takes_(options_.takes),
       recorder_(session, options_.takes),
       sweep_(session, scene_, clock) {
   orders_.tell([](output::RunState& run) { run.records_takes = true, run.recording = false; });
@@ -101,11 +101,14 @@ page::State OperatorDesk::state() const {
                          : "this run does not look for changes of the room";
   state.scan = scan_state(run);
   state.disk_free_gb = free_gb(recorder_.folder());
-  state.calibration = calibration_of(session_, zoomed_, focused_);
+  state.record_minutes = takes_.minutes_left(state.recording, state.disk_free_gb);
+  state.takes = takes_.takes(state.recording), state.presets = presets_.presets();
+  state.calibration = calibration_of(session_, cameras_.zoomed(), cameras_.focused());
   state.streams = streams_of(session_), state.cameras = cameras_of(session_);
   state.sweep = sweep_.state();
   state.focus = focus_of(scene_.focus(), run.focus_px, session_.setup.view.size_px);
   state.objects = scene_.objects(from), state.lamps = scene_.lamps(from);
+  state.edits = {scene_.history().next_undo(), scene_.history().next_redo()};
   state.log = recent_log_lines();
   return state;
 }
@@ -162,29 +165,6 @@ void OperatorDesk::tell_recording() {
   orders_.tell([on = recorder_.is_on()](output::RunState& run) { run.recording = on; });
 }
 
-Result<void> OperatorDesk::set_camera(const page::SetCamera& set) {
-  if (!session_.cameras)
-    return Error{ErrorCode::kUnsupported,
-                 "this run has no cameras that can be set: a recording is "
-                 "played"};
-  const std::filesystem::path& rig = session_.source->info().file;
-  constexpr std::size_t kMostRigBytes = std::size_t{1} << 20;
-  MIXRIG_ASSIGN(std::string text, config::read_text(rig, kMostRigBytes));
-  for (const auto& [name, value] : set.values)
-    for (int i = 0; i < device::kCameraControls; ++i) {
-      const auto control = static_cast<device::CameraControl>(i);
-      const live::ControlKey key = live::control_key(control);
-      if (key.key != name) continue;
-      MIXRIG_TRY(session_.cameras->set(set.name, control, value / key.unit));
-      zoomed_ = zoomed_ || control == device::CameraControl::kZoom;
-      focused_ = focused_ || control == device::CameraControl::kFocus;
-      if (set.preview) continue;
-      MIXRIG_ASSIGN(text,
-                    live::with_control(text, rig.string(), set.name, control, value / key.unit));
-    }
-  return set.preview ? Result<void>() : write_file(rig, text);
-}
-
 /// Writes previews into the scene, and the focus that was clicked in a window of the run.
 Result<void> OperatorDesk::save() {
   MIXRIG_TRY(scene_.save());
@@ -192,6 +172,11 @@ Result<void> OperatorDesk::save() {
   if (!run.focus_px || !run.can_focus) return {};
   return scene_.apply(
       page::SetFocus{.at = focus_of(scene_.focus(), run.focus_px, session_.setup.view.size_px).at});
+}
+
+Result<void> OperatorDesk::discard() {
+  MIXRIG_TRY(scene_.discard());
+  return cameras_.discard();
 }
 
 Result<void> OperatorDesk::apply(const page::Command& command) {
@@ -205,7 +190,7 @@ Result<void> OperatorDesk::apply(const page::Command& command) {
         else if constexpr (std::is_same_v<C, page::StopRecording>)
           return record(nullptr);
         else if constexpr (std::is_same_v<C, page::SetCamera>)
-          return set_camera(c);
+          return cameras_.apply(c);
         else if constexpr (std::is_same_v<C, page::LearnBackground>)
           return learn_background();
         else if constexpr (std::is_same_v<C, page::ScanRoom>)
@@ -216,6 +201,14 @@ Result<void> OperatorDesk::apply(const page::Command& command) {
           return sweep_.cancel();
         else if constexpr (std::is_same_v<C, page::SaveScene>)
           return save();
+        else if constexpr (std::is_same_v<C, page::DiscardPreviews>)
+          return discard();
+        else if constexpr (std::is_same_v<C, page::Undo>)
+          return c.again ? scene_.redo() : scene_.undo();
+        else if constexpr (std::is_same_v<C, page::SetTake>)
+          return takes_.apply(c);
+        else if constexpr (requires { presets_.apply(c); })
+          return presets_.apply(c);
         else if constexpr (requires { scene_.apply(c, from); })
           return scene_.apply(c, from);
         else

@@ -2,7 +2,6 @@
 // Operator controls of a run, for the page.
 #pragma once
 
-#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -10,9 +9,12 @@
 #include <string>
 
 #include "hal/base/clock.h"
+#include "host/operator/desk/camera_desk.h"
 #include "host/operator/desk/composite_recorder.h"
+#include "host/operator/desk/preset_desk.h"
 #include "host/operator/desk/room_sweep.h"
 #include "host/operator/desk/scene_desk.h"
+#include "host/operator/desk/take_list.h"
 #include "host/operator/page/operator.h"
 #include "host/output/sink/composite_sink.h"
 #include "host/output/sink/run_orders.h"
@@ -59,18 +61,20 @@ class OperatorDesk final : public page::Operator {
   Result<void> record(const page::StartRecording* start);
   void obey_record_orders();
   void tell_recording();
-  Result<void> set_camera(const page::SetCamera& set);
   Result<void> save();
+  Result<void> discard();
 
   const Session& session_;
   output::RunOrders& orders_;
   const Clock& clock_;
   const DeskOptions options_;
   SceneDesk scene_;
+  CameraDesk cameras_;
+  PresetDesk presets_;
+  TakeList takes_;
   CompositeRecorder recorder_;
-  std::mutex record_mutex_;                             ///< held while a recording begins or ends
-  std::atomic<bool> zoomed_ = false, focused_ = false;  ///< the lens was moved in this run
-  mutable std::mutex mutex_;                            ///< guards the members below
+  std::mutex record_mutex_;   ///< held while a recording begins or ends
+  mutable std::mutex mutex_;  ///< guards the members below
   Frames frames_;
   RoomSweep sweep_;  ///< last: its thread uses the session
 };

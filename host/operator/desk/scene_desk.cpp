@@ -2,7 +2,6 @@
 #include "host/operator/desk/scene_desk.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <utility>
 
@@ -10,6 +9,7 @@
 #include "host/math/config/table.h"
 #include "host/operator/desk/desk_lookup.h"
 #include "host/operator/desk/place.h"
+#include "host/scene/preset_text.h"
 #include "host/scene/scene_edit.h"
 #include "host/scene/scene_manifest.h"
 #include "host/scene/settings_edit.h"
@@ -27,15 +27,12 @@ double turn_of(const geometry::Pose& pose) {
   return std::atan2(x.y(), x.x());
 }
 
-/// "models/NAME.glb" that is free beside the scene; bytes that are no letters become '_'.
-fs::path free_model_path(const fs::path& folder, const std::string& name) {
-  std::string plain;
-  for (const char c : name) plain += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
-  for (int i = 1;; ++i) {
-    const fs::path path =
-        fs::path("models") / (plain + (i > 1 ? "_" + std::to_string(i) : "") + ".glb");
-    if (!fs::exists(folder / path)) return path;
-  }
+/// Name of a change: "move crate".
+std::string what_of(const page::SetObject& set) {
+  if (set.rename) return "rename " + set.name;
+  if (set.position_m || set.at || set.onto) return "move " + set.name;
+  if (set.hidden) return (*set.hidden ? "hide " : "show ") + set.name;
+  return (set.turn_rad ? "turn " : set.scale ? "scale " : "change ") + set.name;
 }
 
 }  // namespace
@@ -67,6 +64,27 @@ Result<SceneDesk::Written> SceneDesk::written() const {
   MIXRIG_ASSIGN(written.text, config::read_text(session_.scene.path, kMostSceneBytes));
   MIXRIG_ASSIGN(written.scene, scene::parse_scene(written.text, session_.scene.path, false));
   return written;
+}
+
+/// Writes the file, and notes the edit.
+Result<void> SceneDesk::put(const Written& before, const std::string& text,
+                            std::string what) const {
+  if (text == before.text) return {};
+  MIXRIG_TRY(write_file(session_.scene.path, text));
+  follower_->history().add({std::move(what), session_.scene.path, before.text, text, {}, {}});
+  return {};
+}
+
+/// Drops the preview of an object that has lost its name.
+void SceneDesk::forget_preview(const std::string& object) {
+  const std::lock_guard lock(mutex_);
+  previews_.poses.erase(object);
+}
+
+void SceneDesk::forget_previews() {
+  follower_->drop_previews();
+  const std::lock_guard lock(mutex_);
+  previews_ = {};
 }
 
 Result<std::string> SceneDesk::with_poses(std::string text, const std::string& but_object) const {
@@ -106,7 +124,7 @@ Result<geometry::Pose> SceneDesk::wanted_pose(const scene::Object& object,
 
 Result<void> SceneDesk::apply(const page::SetObject& set, const SeenFrom* from) {
   const std::lock_guard edit(follower_->edit_mutex());
-  MIXRIG_ASSIGN(Written now, written());
+  MIXRIG_ASSIGN(const Written now, written());
   MIXRIG_ASSIGN(const scene::Object* object, named(now.scene.objects, set.name, "object"));
   if (object->physics && (set.position_m || set.at || set.onto || set.turn_rad))
     return Error{ErrorCode::kUnsupported, "\"" + set.name + "\" is moved by physics"};
@@ -117,58 +135,23 @@ Result<void> SceneDesk::apply(const page::SetObject& set, const SeenFrom* from) 
     previews_of_now().poses[set.name] = pose;
   }
   if (set.preview) return {};
-  MIXRIG_ASSIGN(std::string text, with_poses(std::move(now.text), set.name));
-  MIXRIG_ASSIGN(
-      text, scene::with_object(text, session_.scene.path, set.name, {pose, set.scale, set.hidden}));
-  return write_file(session_.scene.path, text);
-}
-
-Result<void> SceneDesk::apply(const page::AddObject& add, const SeenFrom* from) {
-  const std::lock_guard edit(follower_->edit_mutex());
-  MIXRIG_ASSIGN(const SeenFrom* used, seen(from));
-  scene::Object object;
-  object.name = add.name;
-  MIXRIG_ASSIGN(object.model, scene::load_gltf(add.glb));
-  // In the lower middle of the picture, on the floor.
-  MIXRIG_ASSIGN(Vector3d place, point_on_level(*used, {0.5, 0.7}, 0));
-  place.z() = -static_cast<double>(scene::bounds(object.model).min_m.z());
-  object.world_from_object.translation_m = place;
-  const fs::path folder = session_.scene.path.parent_path();
-  object.model_path = free_model_path(folder, add.name);
-  MIXRIG_ASSIGN(Written now, written());
-  MIXRIG_ASSIGN(const std::string text, with_poses(std::move(now.text), ""));
-  std::error_code code;
-  fs::create_directories(folder / "models", code);
-  if (!code) fs::copy_file(add.glb, folder / object.model_path, code);
-  if (code)
-    return system_error(ErrorCode::kIo,
-                        "cannot write '" + (folder / object.model_path).string() + "'",
-                        code.value());
-  auto edited = scene::with_new_object(text, session_.scene.path, object);
-  Result<void> done = edited ? write_file(session_.scene.path, *edited) : edited.error();
-  if (!done) fs::remove(folder / object.model_path, code);
-  return done;
-}
-
-Result<void> SceneDesk::apply(const page::RemoveObject& remove) {
-  const std::lock_guard edit(follower_->edit_mutex());
-  MIXRIG_ASSIGN(Written now, written());
-  const auto found = named(now.scene.objects, remove.name, "object");
-  if (!found) return found.error();
-  MIXRIG_ASSIGN(std::string text, with_poses(std::move(now.text), remove.name));
-  MIXRIG_ASSIGN(text, scene::without_object(text, session_.scene.path, remove.name));
-  return write_file(session_.scene.path, text);
+  MIXRIG_ASSIGN(std::string text, with_poses(now.text, set.name));
+  MIXRIG_ASSIGN(text, scene::with_object(text, session_.scene.path, set.name,
+                                         {pose, set.scale, set.hidden, set.rename}));
+  MIXRIG_TRY(put(now, text, what_of(set)));
+  if (set.rename && *set.rename != set.name) forget_preview(set.name);
+  return {};
 }
 
 /// Writes focus settings. New ones without a place make the middle of the picture sharp.
 Result<void> SceneDesk::apply(const page::SetFocus& set) {
   const std::lock_guard lock(follower_->edit_mutex());
-  MIXRIG_ASSIGN(Written now, written());
+  MIXRIG_ASSIGN(const Written now, written());
   const fs::path& path = session_.scene.path;
-  MIXRIG_ASSIGN(std::string text, with_poses(std::move(now.text), ""));
+  MIXRIG_ASSIGN(std::string text, with_poses(now.text, ""));
   if (set.on == false) {
     MIXRIG_ASSIGN(text, scene::without_focus(text, path));
-    return write_file(path, text);
+    return put(now, text, "depth of field off");
   }
   std::optional<Eigen::Vector2d> at = set.at;
   if (!now.scene.focus && !at && !set.distance_m) at = Eigen::Vector2d(0.5, 0.5);
@@ -179,15 +162,15 @@ Result<void> SceneDesk::apply(const page::SetFocus& set) {
   };
   if (at) edit.pixel = {pixel(at->x(), view.width), pixel(at->y(), view.height)};
   MIXRIG_ASSIGN(text, scene::with_focus(text, path, edit));
-  return write_file(path, text);
+  return put(now, text, "depth of field");
 }
 
 Result<void> SceneDesk::use_background(const fs::path& model) {
   const std::lock_guard lock(follower_->edit_mutex());
-  MIXRIG_ASSIGN(Written now, written());
+  MIXRIG_ASSIGN(const Written now, written());
   MIXRIG_ASSIGN(const std::string text,
                 scene::with_background_model(now.text, session_.scene.path, model));
-  return write_file(session_.scene.path, text);
+  return put(now, text, "background " + model.string());
 }
 
 std::optional<scene::FocusSettings> SceneDesk::focus() const {
@@ -197,11 +180,47 @@ std::optional<scene::FocusSettings> SceneDesk::focus() const {
 
 Result<void> SceneDesk::save() {
   const std::lock_guard edit(follower_->edit_mutex());
-  MIXRIG_ASSIGN(Written now, written());
+  MIXRIG_ASSIGN(const Written now, written());
   const Previews shown = previews();
-  MIXRIG_ASSIGN(std::string edited, with_poses(now.text, ""));
-  if (!shown.lamps.empty()) return write_lamps(std::move(edited), lamps_of(now.scene));
-  return edited == now.text ? Result<void>() : write_file(session_.scene.path, edited);
+  if (!shown.lamps.empty()) return write_lamps(now, lamps_of(now.scene), "save");
+  MIXRIG_ASSIGN(const std::string edited, with_poses(now.text, ""));
+  return put(now, edited, "save");
+}
+
+Result<std::string> SceneDesk::snapshot() {
+  const std::lock_guard edit(follower_->edit_mutex());
+  MIXRIG_ASSIGN(const Written now, written());
+  MIXRIG_ASSIGN(const std::string text, with_poses(now.text, ""));
+  const Previews shown = previews();
+  if (shown.lamps.empty()) return scene::preset_of(text);
+  MIXRIG_ASSIGN(const std::string lit,
+                scene::with_lamps(text, session_.scene.path, lamps_of(now.scene), std::nullopt));
+  return scene::preset_of(lit);
+}
+
+Result<void> SceneDesk::recall(const std::string& preset, const std::string& name) {
+  const std::lock_guard edit(follower_->edit_mutex());
+  MIXRIG_ASSIGN(const Written now, written());
+  MIXRIG_ASSIGN(const std::string text, scene::with_preset(now.text, preset, session_.scene.path));
+  forget_previews();
+  return put(now, text, "preset " + name);
+}
+
+Result<void> SceneDesk::discard() {
+  forget_previews();
+  return {};
+}
+
+Result<void> SceneDesk::undo() {
+  const std::lock_guard edit(follower_->edit_mutex());
+  forget_previews();
+  return follower_->history().undo();
+}
+
+Result<void> SceneDesk::redo() {
+  const std::lock_guard edit(follower_->edit_mutex());
+  forget_previews();
+  return follower_->history().redo();
 }
 
 std::vector<page::ObjectState> SceneDesk::objects(const SeenFrom* from) const {

@@ -26,6 +26,7 @@ class SceneDesk {
   /// `from`: null before the first frame. Errors: those of page::Operator::apply().
   Result<void> apply(const page::SetObject& set, const SeenFrom* from);
   Result<void> apply(const page::AddObject& add, const SeenFrom* from);
+  Result<void> apply(const page::CopyObject& copy, const SeenFrom* from);
   Result<void> apply(const page::RemoveObject& remove);
   Result<void> apply(const page::SetLamp& set);
   Result<void> apply(const page::AddLamp& add, const SeenFrom* from);
@@ -34,6 +35,18 @@ class SceneDesk {
   /// Sets the background of the next start: a path as in scene.toml, relative to the file.
   Result<void> use_background(const std::filesystem::path& model);
   Result<void> save();
+  /// Objects, light, focus and look as they are shown, as scene::preset_of() makes them.
+  Result<std::string> snapshot();
+  /// Writes such a text into the scene; previews are dropped. Errors: those of
+  /// scene::with_preset().
+  Result<void> recall(const std::string& preset, const std::string& name);
+  /// Shows the file again in place of previews.
+  Result<void> discard();
+  /// Takes the last edit of the follower's history back, or makes it again; previews are dropped.
+  Result<void> undo();
+  Result<void> redo();
+  EditHistory& history() const { return follower_->history(); }
+  EditedScenePtr newest() const { return follower_->newest(); }
 
   std::vector<page::ObjectState> objects(const SeenFrom* from) const;
   std::vector<page::LampState> lamps(const SeenFrom* from) const;
@@ -58,7 +71,11 @@ class SceneDesk {
   Previews& previews_of_now();
   Result<std::string> with_poses(std::string text, const std::string& but_object) const;
   std::vector<scene::Lamp> lamps_of(const scene::Scene& scene) const;
-  Result<void> write_lamps(std::string text, const std::vector<scene::Lamp>& lamps) const;
+  Result<void> put(const Written& before, const std::string& text, std::string what) const;
+  Result<void> write_lamps(const Written& before, const std::vector<scene::Lamp>& lamps,
+                           std::string what) const;
+  void forget_previews();
+  void forget_preview(const std::string& object);
   Result<geometry::Pose> wanted_pose(const scene::Object& object, const page::SetObject& set,
                                      const SeenFrom* from) const;
   Result<Eigen::Vector3d> lamp_position(const page::AddLamp& add, const SeenFrom* from) const;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "hal/base/partial_path.h"
 #include "host/operator/desk/desk_lookup.h"
 #include "host/operator/desk/place.h"
 #include "host/operator/desk/scene_desk.h"
@@ -23,10 +22,11 @@ std::vector<scene::Lamp> SceneDesk::lamps_of(const scene::Scene& scene) const {
   return lamps;
 }
 
-Result<void> SceneDesk::write_lamps(std::string text, const std::vector<scene::Lamp>& lamps) const {
-  MIXRIG_ASSIGN(text, with_poses(std::move(text), ""));
+Result<void> SceneDesk::write_lamps(const Written& before, const std::vector<scene::Lamp>& lamps,
+                                    std::string what) const {
+  MIXRIG_ASSIGN(std::string text, with_poses(before.text, ""));
   MIXRIG_ASSIGN(text, scene::with_lamps(text, session_.scene.path, lamps, std::nullopt));
-  return write_file(session_.scene.path, text);
+  return put(before, text, std::move(what));
 }
 
 /// A lamp that is off has no intensity; what it had is kept for when it is switched on again.
@@ -45,13 +45,17 @@ Eigen::Vector3f SceneDesk::wanted_intensity(const page::SetLamp& set, const Eige
 
 Result<void> SceneDesk::apply(const page::SetLamp& set) {
   const std::lock_guard edit(follower_->edit_mutex());
-  MIXRIG_ASSIGN(Written now, written());
+  MIXRIG_ASSIGN(const Written now, written());
   std::vector<scene::Lamp> lamps = lamps_of(now.scene);
   MIXRIG_ASSIGN(const scene::Lamp* old, named(lamps, set.name, "lamp"));
   scene::Lamp& lamp = lamps[static_cast<std::size_t>(old - lamps.data())];
   lamp.intensity = wanted_intensity(set, lamp.intensity);
   follower_->preview_lamp(set.name, lamp.intensity);
-  return set.preview ? Result<void>() : write_lamps(std::move(now.text), lamps);
+  if (set.preview) return {};
+  const std::string what = set.intensity || !set.on ? "dim "
+                           : *set.on                ? "switch on "
+                                                    : "switch off ";
+  return write_lamps(now, lamps, what + set.name);
 }
 
 Result<Vector3d> SceneDesk::lamp_position(const page::AddLamp& add, const SeenFrom* from) const {
@@ -70,7 +74,7 @@ Result<Vector3d> SceneDesk::lamp_position(const page::AddLamp& add, const SeenFr
 
 Result<void> SceneDesk::apply(const page::AddLamp& add, const SeenFrom* from) {
   const std::lock_guard edit(follower_->edit_mutex());
-  MIXRIG_ASSIGN(Written now, written());
+  MIXRIG_ASSIGN(const Written now, written());
   std::vector<scene::Lamp> lamps = lamps_of(now.scene);
   const auto taken = [&](const std::string& name) {
     return std::any_of(lamps.begin(), lamps.end(), [&](const auto& l) { return l.name == name; });
@@ -85,16 +89,16 @@ Result<void> SceneDesk::apply(const page::AddLamp& add, const SeenFrom* from) {
   lamp.intensity = add.intensity;
   MIXRIG_ASSIGN(lamp.position_m, lamp_position(add, from));
   lamps.push_back(lamp);
-  return write_lamps(std::move(now.text), lamps);
+  return write_lamps(now, lamps, "add " + lamp.name);
 }
 
 Result<void> SceneDesk::apply(const page::RemoveLamp& remove) {
   const std::lock_guard edit(follower_->edit_mutex());
-  MIXRIG_ASSIGN(Written now, written());
+  MIXRIG_ASSIGN(const Written now, written());
   std::vector<scene::Lamp> lamps = lamps_of(now.scene);
   MIXRIG_ASSIGN(const scene::Lamp* old, named(lamps, remove.name, "lamp"));
   lamps.erase(lamps.begin() + (old - lamps.data()));
-  return write_lamps(std::move(now.text), lamps);
+  return write_lamps(now, lamps, "remove " + remove.name);
 }
 
 std::vector<page::LampState> SceneDesk::lamps(const SeenFrom* from) const {

@@ -94,6 +94,26 @@ struct FocusState {
   double f_number = 0;
 };
 
+/// What undo and redo would do, such as "move crate"; empty: nothing.
+struct EditsState {
+  std::string undo, redo;
+};
+
+/// A stored snapshot of objects, light, focus and look.
+struct PresetState {
+  std::string name;
+  std::vector<std::string> differences;  ///< to what the scene is now, a line each
+};
+
+/// A recording of composites.
+struct TakeState {
+  std::string name, notes;
+  bool circled = false;  ///< the operator's mark of a good take
+  std::uint64_t frames = 0, lost = 0;
+  double seconds = 0, megabytes = 0;
+  std::string state;  ///< "whole", "cut off", or why it ended early
+};
+
 struct CalibrationState {
   std::string file, why;          ///< calibration in use, and why it was chosen
   std::optional<double> age_s{};  ///< since the file was written
@@ -121,11 +141,16 @@ struct State {
   SweepState sweep;
   FocusState focus;
   std::optional<double> disk_free_gb{};  ///< free space for recordings
+  /// How long a recording could be, by the size of the last one; absent before the first.
+  std::optional<double> record_minutes{};
   CalibrationState calibration;
   std::vector<StreamState> streams;
   std::vector<CameraState> cameras;  ///< cameras with settings
   std::vector<ObjectState> objects;
   std::vector<LampState> lamps;
+  EditsState edits;
+  std::vector<PresetState> presets;
+  std::vector<TakeState> takes;  ///< the newest last
   std::vector<std::string> log;  ///< the last lines, the newest last
 };
 
@@ -141,11 +166,16 @@ struct SetObject {
   std::optional<Eigen::Vector2d> onto{};
   std::optional<double> turn_rad{}, scale{};
   std::optional<bool> hidden{};
+  std::optional<std::string> rename{};
   bool preview = false;  ///< shows the change without writing it into the scene
 };
 struct AddObject {
   std::string name;
   std::filesystem::path glb;  ///< a file that may be moved away
+};
+/// Adds a copy of an object beside it.
+struct CopyObject {
+  std::string name;
 };
 struct RemoveObject {
   std::string name;
@@ -176,6 +206,29 @@ struct SetCamera {
 };
 /// Writes previews into the scene.
 struct SaveScene {};
+/// Shows what is written in place of previews.
+struct DiscardPreviews {};
+/// Takes the last edit of a file back, or makes it again.
+struct Undo {
+  bool again = false;
+};
+/// Stores what is shown as a preset; an old one of the name is replaced if `replace`.
+struct StorePreset {
+  std::string name;
+  bool replace = false;
+};
+struct RecallPreset {
+  std::string name;
+};
+struct RemovePreset {
+  std::string name;
+};
+/// Changes what is noted about a recording; absent values stay.
+struct SetTake {
+  std::string name;
+  std::optional<bool> circled{};
+  std::optional<std::string> notes{};
+};
 struct StartRecording {
   std::string name, notes;
 };
@@ -201,9 +254,10 @@ struct SetFocus {
   std::optional<double> distance_m{}, f_number{};
 };
 
-using Command = std::variant<SetObject, AddObject, RemoveObject, SetLamp, AddLamp, RemoveLamp,
-                             SetCamera, SaveScene, StartRecording, StopRecording, LearnBackground,
-                             ScanRoom, StartSweep, CancelSweep, SetFocus>;
+using Command = std::variant<SetObject, AddObject, CopyObject, RemoveObject, SetLamp, AddLamp,
+                             RemoveLamp, SetCamera, SaveScene, DiscardPreviews, Undo, StorePreset,
+                             RecallPreset, RemovePreset, SetTake, StartRecording, StopRecording,
+                             LearnBackground, ScanRoom, StartSweep, CancelSweep, SetFocus>;
 
 /// A run, as the page sees it. Thread-safe.
 class Operator {

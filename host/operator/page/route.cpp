@@ -50,8 +50,31 @@ Route camera_route(Method method, const Parts& rest) {
   return Change{method, "cameras", rest[0]};
 }
 
-/// /objects, /objects/NAME, /lamps, /lamps/NAME; a lamp is added by POST /lamps, an object by
-/// POST /objects/NAME.
+/// /presets, /presets/NAME, /presets/NAME/recall.
+Route preset_route(Method method, const Parts& rest) {
+  if (rest.empty())
+    return method == Method::kGet ? Route(GetState{"presets"}) : Route(wrong_method("GET"));
+  if (!is_folder_name(rest[0])) return no_such();
+  if (rest.size() == 2 && rest[1] == "recall")
+    return method == Method::kPost ? Route(Change{method, "recall", rest[0]})
+                                   : Route(wrong_method("POST"));
+  if (rest.size() != 1) return no_such();
+  if (method == Method::kPut || method == Method::kDelete)
+    return Change{method, "presets", rest[0]};
+  return wrong_method("PUT, DELETE");
+}
+
+/// /takes, /takes/NAME.
+Route take_route(Method method, const Parts& rest) {
+  if (rest.empty())
+    return method == Method::kGet ? Route(GetState{"takes"}) : Route(wrong_method("GET"));
+  if (rest.size() != 1 || !is_folder_name(rest[0])) return no_such();
+  if (method != Method::kPut) return wrong_method("PUT");
+  return Change{method, "takes", rest[0]};
+}
+
+/// /objects, /objects/NAME, /objects/NAME/copy, /lamps, /lamps/NAME; a lamp is added by POST
+/// /lamps, an object by POST /objects/NAME.
 Route thing_route(Method method, const std::string& kind, const Parts& rest) {
   const bool lamps = kind == "lamps";
   if (rest.empty()) {
@@ -59,7 +82,11 @@ Route thing_route(Method method, const std::string& kind, const Parts& rest) {
     if (lamps && method == Method::kPost) return Change{method, kind, ""};
     return wrong_method(lamps ? "GET, POST" : "GET");
   }
-  if (rest.size() != 1 || !is_name(rest[0])) return no_such();
+  if (!is_name(rest[0])) return no_such();
+  if (!lamps && rest.size() == 2 && rest[1] == "copy")
+    return method == Method::kPost ? Route(Change{method, "copy", rest[0]})
+                                   : Route(wrong_method("POST"));
+  if (rest.size() != 1) return no_such();
   if (!lamps && method == Method::kPost) return Upload{rest[0]};
   if (method == Method::kPut || method == Method::kDelete) return Change{method, kind, rest[0]};
   return wrong_method(lamps ? "PUT, DELETE" : "PUT, POST, DELETE");
@@ -75,15 +102,19 @@ Route api_route(Method method, const Parts& parts) {
   const Parts rest(parts.begin() + 3, parts.end());
   if (kind == "objects" || kind == "lamps") return thing_route(method, kind, rest);
   if (kind == "cameras") return camera_route(method, rest);
+  if (kind == "presets") return preset_route(method, rest);
+  if (kind == "takes") return take_route(method, rest);
   if (kind == "picture" && rest.size() == 1) return picture_route(method, rest[0]);
   if (kind == "event" && rest.size() == 1 && rest[0] == "websocket")
     return method == Method::kGet ? Route(OpenEvents{}) : Route(wrong_method("GET"));
-  if ((kind == "view" || kind == "freeze" || kind == "focus") && rest.empty() &&
-      method == Method::kPut)
-    return Change{method, kind, ""};
+  if ((kind == "view" || kind == "freeze" || kind == "focus") && rest.empty()) {
+    if (method == Method::kPut) return Change{method, kind, ""};
+    return method == Method::kGet ? Route(GetState{kind}) : Route(wrong_method("GET, PUT"));
+  }
   if (kind == "record" && rest.size() == 1 && (rest[0] == "start" || rest[0] == "stop"))
     return post_route(method, kind, rest[0]);
-  if (kind == "scene" && rest.size() == 1 && rest[0] == "save")
+  if (kind == "scene" && rest.size() == 1 &&
+      (rest[0] == "save" || rest[0] == "discard" || rest[0] == "undo" || rest[0] == "redo"))
     return post_route(method, kind, rest[0]);
   if (kind == "background" && rest.size() == 1 &&
       (rest[0] == "learn" || rest[0] == "scan" || rest[0] == "cancel"))
@@ -104,6 +135,7 @@ Result<Action> set_object(const std::string& name, const Body& body) {
     set.turn_rad = *turn * std::numbers::pi / 180;
   set.scale = body.number("scale", 1e-3, 1e3);
   set.hidden = body.boolean("hidden");
+  set.rename = body.name("name");
   set.preview = body.boolean("preview").value_or(false);
   if (set.position_m && set.at) body.fail("at", "is given beside position_m: remove one of them");
   if (set.onto && (set.position_m || set.at))
@@ -173,6 +205,24 @@ Result<Action> set_focus(const Body& body) {
   return body.done(Action(Command(set)));
 }
 
+Result<Action> store_preset(const std::string& name, const Body& body) {
+  return body.done(Action(Command(StorePreset{name, body.boolean("replace").value_or(false)})));
+}
+
+Result<Action> set_take(const std::string& name, const Body& body) {
+  SetTake set{.name = name};
+  set.circled = body.boolean("circled");
+  set.notes = body.text("notes", kMostNotes);
+  return body.done(Action(Command(set)));
+}
+
+/// "save", "discard", "undo" or "redo".
+Result<Action> scene_action(const std::string& verb, const Body& body) {
+  if (verb == "save") return body.done(Action(Command(SaveScene{})));
+  if (verb == "discard") return body.done(Action(Command(DiscardPreviews{})));
+  return body.done(Action(Command(Undo{verb == "redo"})));
+}
+
 Result<Action> select_view(const Body& body) {
   const auto text = body.text("view", 16);
   const auto view = view_named(text.value_or(""));
@@ -218,6 +268,12 @@ Result<Action> action_of(const Change& change, std::string_view text) {
   if (change.kind == "objects")
     return remove ? body.done(Action(Command(RemoveObject{change.name})))
                   : set_object(change.name, body);
+  if (change.kind == "copy") return body.done(Action(Command(CopyObject{change.name})));
+  if (change.kind == "recall") return body.done(Action(Command(RecallPreset{change.name})));
+  if (change.kind == "presets")
+    return remove ? body.done(Action(Command(RemovePreset{change.name})))
+                  : store_preset(change.name, body);
+  if (change.kind == "takes") return set_take(change.name, body);
   if (change.kind == "cameras") return set_camera(change.name, body);
   if (change.kind == "lamps" && change.name.empty()) return add_lamp(body);
   if (change.kind == "lamps")
@@ -225,7 +281,7 @@ Result<Action> action_of(const Change& change, std::string_view text) {
                   : set_lamp(change.name, body);
   if (change.kind == "view") return select_view(body);
   if (change.kind == "freeze") return freeze(body);
-  if (change.kind == "scene") return body.done(Action(Command(SaveScene{})));
+  if (change.kind == "scene") return scene_action(change.name, body);
   if (change.kind == "background" && change.name == "learn")
     return body.done(Action(Command(LearnBackground{})));
   if (change.kind == "background")

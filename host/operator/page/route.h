@@ -42,8 +42,9 @@ struct Upload {
 struct Change {
   Method method = Method::kPut;
   std::string kind;  ///< "objects", "lamps", "cameras", "scene", "record", "background", "sweep",
-                     ///< "view", "freeze", "focus"
-  std::string name;  ///< an object's or lamp's; "start", "stop", "save", "learn", "scan", "cancel"
+                     ///< "view", "freeze", "focus", "copy", "presets", "recall", "takes"
+  std::string name;  ///< an object's or lamp's; "start", "stop", "save",
+                     ///< "discard", "undo", "redo", "learn", "scan", "cancel"
 };
 
 using Route =

@@ -48,6 +48,21 @@ json stream_json(const StreamState& s) {
           {"frames", s.frames}, {"lost", s.lost}, {"do", s.what_to_do}};
 }
 
+json preset_json(const PresetState& p) {
+  return {{"name", p.name}, {"differences", p.differences}};
+}
+
+json take_json(const TakeState& t) {
+  return {{"name", t.name},
+          {"notes", t.notes},
+          {"circled", t.circled},
+          {"frames", t.frames},
+          {"lost", t.lost},
+          {"seconds", to_digits(t.seconds, 0.1)},
+          {"megabytes", to_digits(t.megabytes, 0.1)},
+          {"state", t.state}};
+}
+
 json recording_json(const RecordingState& r) {
   return {{"on", r.on},
           {"tally", r.on ? "record" : "preview"},
@@ -133,12 +148,17 @@ json to_json(const State& s, const PageState& page) {
         {"why_not", s.scan.why_not}}},
       {"sweep", sweep_json(s.sweep)},
       {"focus", focus_json(s.focus)},
-      {"disk", {{"free_gb", s.disk_free_gb ? json(to_digits(*s.disk_free_gb, 0.1)) : json()}}},
+      {"disk",
+       {{"free_gb", s.disk_free_gb ? json(to_digits(*s.disk_free_gb, 0.1)) : json()},
+        {"record_minutes", s.record_minutes ? json(to_digits(*s.record_minutes, 1)) : json()}}},
       {"calibration", calibration_json(s.calibration)},
       {"streams", list_json(s.streams, stream_json)},
       {"cameras", list_json(s.cameras, camera_json)},
       {"objects", list_json(s.objects, object_json)},
       {"lamps", list_json(s.lamps, lamp_json)},
+      {"presets", list_json(s.presets, preset_json)},
+      {"takes", list_json(s.takes, take_json)},
+      {"edits", {{"undo", s.edits.undo}, {"redo", s.edits.redo}}},
       {"log", s.log},
       {"view", name(page.view)},
       {"freeze", page.frozen},
@@ -147,9 +167,9 @@ json to_json(const State& s, const PageState& page) {
 
 const std::vector<std::string_view>& parts() {
   static const std::vector<std::string_view> names{
-      "run",     "picture", "pose", "recording",   "background", "scan",
-      "sweep",   "focus",   "disk", "calibration", "streams",    "cameras",
-      "objects", "lamps",   "log",  "view",        "freeze",     "clients"};
+      "run",   "picture", "pose",        "recording", "background", "scan",    "sweep",
+      "focus", "disk",    "calibration", "streams",   "cameras",    "objects", "lamps",
+      "log",   "view",    "freeze",      "clients",   "edits",      "presets", "takes"};
   return names;
 }
 

@@ -68,6 +68,11 @@ void SceneFollower::preview_lamp(std::string_view name, const Eigen::Vector3f& i
     set_preview(lamp_previews_, name, intensity);
 }
 
+void SceneFollower::drop_previews() {
+  const std::lock_guard lock(mutex_);
+  object_previews_.clear(), lamp_previews_.clear();
+}
+
 EditedScenePtr SceneFollower::newest() const {
   const std::lock_guard lock(mutex_);
   return newest_;

@@ -13,7 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include "hal/base/clock.h"
 #include "host/render/contract/compositor.h"
+#include "host/run/controls/edit_history.h"
 #include "host/run/session/scene_setup.h"
 
 namespace mixrig::session {
@@ -57,8 +59,12 @@ class SceneFollower {
   /// until the file is read again. Any thread. Names that the scene does not have are ignored.
   void preview_object(std::string_view name, const geometry::Pose& world_from_object);
   void preview_lamp(std::string_view name, const Eigen::Vector3f& intensity);
+  /// Shows the scene as it is in the file again. Any thread.
+  void drop_previews();
   /// To be held from reading to writing by whoever changes the file, so that no change is lost.
   std::mutex& edit_mutex() { return edit_mutex_; }
+  /// Edits of whoever changes the file.
+  EditHistory& history() { return history_; }
   /// The newest version; null if the session's own is. Any thread.
   EditedScenePtr newest() const;
   SceneEdits edits() const;
@@ -85,6 +91,8 @@ class SceneFollower {
   const bool live_;
   Stamp read_stamp_, last_stamp_;  ///< used by the watching thread only
   std::mutex edit_mutex_;
+  const SystemClock clock_;
+  EditHistory history_{clock_};
   mutable std::mutex mutex_;  ///< guards the members below
   std::condition_variable wake_;
   bool ends_ = false;

@@ -48,6 +48,8 @@ TEST(OscCommands, AreThoseOfThePage) {
   osc_command<StopRecording>("/mixrig/record", {0.0});
   osc_command<LearnBackground>("/mixrig/learn");
   osc_command<SaveScene>("/mixrig/save");
+  EXPECT_FALSE(osc_command<Undo>("/mixrig/undo").again);
+  EXPECT_TRUE(osc_command<Undo>("/mixrig/redo").again);
   EXPECT_EQ(osc_command<SetObject>("/mixrig/object/old_crate/hidden").hidden, true) << "toggles";
   EXPECT_EQ(osc_command<SetObject>("/mixrig/object/old_crate/hidden", {false}).name, "old crate");
   EXPECT_EQ(osc_command<SetObject>("/mixrig/object/old_crate/at", {0.25, 0.5}).at->x(), 0.25);

@@ -110,6 +110,9 @@ TEST(PageAction, RecordingViewFreezeSceneBackground) {
   EXPECT_EQ(start.notes, "good");
   (void)command<StopRecording>(Method::kPost, "/api/v1/record/stop", "");
   (void)command<SaveScene>(Method::kPost, "/api/v1/scene/save", "");
+  (void)command<DiscardPreviews>(Method::kPost, "/api/v1/scene/discard", "");
+  EXPECT_FALSE(command<Undo>(Method::kPost, "/api/v1/scene/undo", "").again);
+  EXPECT_TRUE(command<Undo>(Method::kPost, "/api/v1/scene/redo", "{}").again);
   (void)command<LearnBackground>(Method::kPost, "/api/v1/background/learn", "{}");
   const auto order = [](const char* target, const char* body) {
     return std::get<output::RunOrder>(action(Method::kPut, target, body).value());
@@ -117,6 +120,50 @@ TEST(PageAction, RecordingViewFreezeSceneBackground) {
   EXPECT_EQ(std::get<output::ShowView>(order("/api/v1/view", R"({"view":"light"})")).view,
             View::kLight);
   EXPECT_TRUE(std::get<output::FreezePictures>(order("/api/v1/freeze", R"({"on":true})")).on);
+}
+
+TEST(PageAction, ObjectsAreRenamedAndCopied) {
+  EXPECT_EQ(command<SetObject>(Method::kPut, "/api/v1/objects/a", R"({"name": "b"})").rename, "b");
+  EXPECT_FALSE(action(Method::kPut, "/api/v1/objects/a", R"({"name": ""})"));
+  EXPECT_EQ(command<CopyObject>(Method::kPost, "/api/v1/objects/a/copy", "").name, "a");
+  EXPECT_EQ(status_of(route_of(Method::kGet, "/api/v1/objects/a/copy")), 405);
+  EXPECT_EQ(status_of(route_of(Method::kPost, "/api/v1/lamps/a/copy")), 404);
+}
+
+TEST(PageAction, PresetsAndTakesAreNamedAsFiles) {
+  EXPECT_FALSE(command<StorePreset>(Method::kPut, "/api/v1/presets/night%201", "").replace);
+  EXPECT_TRUE(
+      command<StorePreset>(Method::kPut, "/api/v1/presets/night", R"({"replace": true})").replace);
+  EXPECT_EQ(command<RecallPreset>(Method::kPost, "/api/v1/presets/night/recall", "").name, "night");
+  EXPECT_EQ(command<RemovePreset>(Method::kDelete, "/api/v1/presets/night", "").name, "night");
+  const auto take =
+      command<SetTake>(Method::kPut, "/api/v1/takes/1-2", R"({"circled": true, "notes": "good"})");
+  EXPECT_EQ(take.circled, true);
+  EXPECT_EQ(take.notes, "good");
+  for (const char* target : {"/api/v1/presets/..%2Fscene", "/api/v1/takes/a%2F..",
+                             "/api/v1/presets/.x", "/api/v1/presets/a/b", "/api/v1/takes/a/b"})
+    EXPECT_EQ(status_of(route_of(Method::kPut, target)), 404) << target;
+}
+
+TEST(PageRoute, AWrongMethodIsAnsweredWithTheRightOnes) {
+  const auto allowed = [](Method method, const char* target) {
+    const Route route = route_of(method, target);
+    const auto* answer = std::get_if<Answer>(&route);
+    if (answer == nullptr || answer->status != 405) return std::string("served");
+    EXPECT_NE(answer->body.find(answer->headers.at(0).second), std::string::npos) << answer->body;
+    return answer->headers.at(0).second;
+  };
+  EXPECT_EQ(allowed(Method::kPost, "/api/v1/view"), "GET, PUT");
+  EXPECT_EQ(allowed(Method::kDelete, "/api/v1/focus"), "GET, PUT");
+  EXPECT_EQ(allowed(Method::kGet, "/api/v1/scene/undo"), "POST");
+  EXPECT_EQ(allowed(Method::kPut, "/api/v1/record/stop"), "POST");
+  EXPECT_EQ(allowed(Method::kPost, "/api/v1/presets/a"), "PUT, DELETE");
+  EXPECT_EQ(allowed(Method::kPut, "/api/v1/presets"), "GET");
+  EXPECT_EQ(allowed(Method::kPut, "/api/v1/presets/a/recall"), "POST");
+  EXPECT_EQ(allowed(Method::kDelete, "/api/v1/takes/a"), "PUT");
+  EXPECT_EQ(allowed(Method::kDelete, "/api/v1/takes"), "GET");
+  EXPECT_EQ(allowed(Method::kGet, "/api/v1/objects/a"), "PUT, POST, DELETE");
+  EXPECT_EQ(allowed(Method::kPost, "/api/v1/cameras/a"), "PUT");
 }
 
 TEST(PageAction, TheHeadIsSweptOverARoom) {

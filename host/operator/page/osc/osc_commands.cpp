@@ -125,6 +125,7 @@ Result<Action> simple_action(const OscReceived& message, const std::string& verb
   }
   if (verb == "learn") return Action(Command(LearnBackground{}));
   if (verb == "save") return Action(Command(SaveScene{}));
+  if (verb == "undo" || verb == "redo") return Action(Command(Undo{verb == "redo"}));
   if (verb != "view") return not_there(message.address);
   const std::string* name =
       message.arguments.empty() ? nullptr : std::get_if<std::string>(&message.arguments.front());
