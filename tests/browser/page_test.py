@@ -20,7 +20,7 @@ import urllib.request
 from rig import (By, HalfLost, HeadRig, LiveRig, Rig, age_ms, browser, by_id, comes_true, field, has_names,
                  types)
 from picture import (brightness, comes_by_webrtc, falls_back_to_mjpeg, focuses, freezes, says_when_the_rig_is_gone,
-                     says_why_it_is_mjpeg, shows_a_live_picture, two_pages_agree)
+                     says_why_it_is_mjpeg, shows_a_live_picture, two_pages_have_two_views)
 from things import (adds_a_lamp, adds_a_lamp_where_it_is_seen, colors_a_lamp, dims_a_lamp, drags_an_object,
                     loads_and_removes_a_model, moves_it_by_keys, removes_a_lamp, saves, scales_and_hides_it,
                     sets_it_on_a_surface, switches_a_lamp, turns_it)
@@ -75,9 +75,8 @@ def records(page, rig, mixrig):
     info = subprocess.run([mixrig, "info", shot / "composite"], check=True, capture_output=True, text=True).stdout
     assert "640x512" in info, info
     print(f"recorded {note['frames']:.0f} frames in {note['seconds']:.1f} s, {note['lost']:.0f} lost")
-    # The name exists now: the page reports it.
-    by_id(page, "record").click()
-    comes_true("the refusal", lambda: "exists" in by_id(page, "message").text)
+    # The name exists now: the page proposes the next.
+    comes_true("the next name", lambda: by_id(page, "take-name").get_attribute("value") == "shot 1 take 2")
 
 
 def sets_the_exposure(page, mixrig, folder):
@@ -229,7 +228,7 @@ def main():
             tells_the_disk(page, rig)
             freezes(page)
             falls_back_to_mjpeg(page)
-            two_pages_agree(page)
+            two_pages_have_two_views(page, rig)
             all_of_it_survives_a_restart(rig, mixrig)
             page.get(rig.url)
             comes_true("a picture after the restart", lambda: age_ms(page) is not None)

@@ -177,25 +177,41 @@ def freezes(page):
     comes_true("a live picture again", lambda: not by_id(page, "stale").is_displayed())
 
 
-def two_pages_agree(page):
+def two_pages_have_two_views(page, rig):
+    """Each its own, kept over a reload, and the program, which one sends and the other follows."""
+    def tab(view):
+        return page.find_element(By.CSS_SELECTOR, f'[data-view="{view}"]')
     first = page.current_window_handle
     url = page.current_url
+    tab("program").click()
     page.switch_to.new_window("window")
+    second = page.current_window_handle
     page.get(url)
     comes_true("the second page", lambda: age_ms(page) is not None)
-    page.find_element(By.CSS_SELECTOR, '[data-view="key"]').click()
+    tab("matte").click()
+    comes_true("its own view", lambda: page.execute_script(GREY))
     page.switch_to.window(first)
-    tab = page.find_element(By.CSS_SELECTOR, '[data-view="key"]')
-    comes_true("the other page's view", lambda: tab.get_attribute("aria-selected") == "true")
+    assert tab("program").get_attribute("aria-selected") == "true" and tab("matte").get_attribute("aria-selected") == "false"
+    comes_true("the program in colour", lambda: age_ms(page) is not None and not page.execute_script(GREY))
+    assert rig.state()["view"] == "composite", rig.state()["view"]
+    page.switch_to.window(second)
+    by_id(page, "to-program").click()
+    comes_true("the program", lambda: rig.state()["view"] == "matte")
     page.refresh()
-    comes_true("the view after a reload", lambda: page.find_element(
-        By.CSS_SELECTOR, '[data-view="key"]').get_attribute("aria-selected") == "true")
-    comes_true("its picture", lambda: age_ms(page) is not None)
-    page.find_element(By.CSS_SELECTOR, '[data-view="composite"]').click()
+    comes_true("the view after a reload", lambda: tab("matte").get_attribute("aria-selected") == "true")
+    page.switch_to.window(first)
+    comes_true("the program of both", lambda: tab("program").text == "Program: matte" and page.execute_script(GREY))
+    page.switch_to.window(second)
+    page.close()
+    page.switch_to.window(first)
+    tab("composite").click()
+    by_id(page, "to-program").click()
+    comes_true("the program again", lambda: rig.state()["view"] == "composite")
 
 
 def says_when_the_rig_is_gone(page, rig):
     assert rig.stop() == 0, rig.text()
+    comes_true("the words across the picture", lambda: by_id(page, "lost").is_displayed())
     comes_true("no connection", lambda: "no connection" in by_id(page, "summary").text)
     comes_true("an old picture that says so", lambda: by_id(page, "stale").is_displayed())
 

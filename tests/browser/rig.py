@@ -17,6 +17,7 @@ try:
     from selenium.common.exceptions import WebDriverException
     from selenium.webdriver.chrome.options import Options
     from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys
 except ImportError:
@@ -173,7 +174,7 @@ def browser(folder):
     options = Options()
     options.binary_location = shutil.which("chromium")
     for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
-                     "--window-size=1280,1100", f"--user-data-dir={folder}/profile"):
+                     "--window-size=1280,2400", f"--user-data-dir={folder}/profile"):
         options.add_argument(argument)
     return webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
 
@@ -198,10 +199,19 @@ def types(control, text):
 
 
 def has_names(page):
-    for control in page.find_elements(By.CSS_SELECTOR, "button, input, textarea, select"):
+    shown = [one for one in page.find_elements(By.CSS_SELECTOR, "button, input, textarea, select") if one.is_displayed()]
+    assert len(shown) > 10, len(shown)
+    for control in shown:
         assert control.accessible_name.strip(), control.get_attribute("outerHTML")
 
 
-def removes(page, button):
-    button.click()
-    comes_true("the question", lambda: page.switch_to.alert).accept()
+def presses(page, *keys):
+    """Keys of the page, with none of its controls in use."""
+    page.execute_script("document.activeElement.blur()")
+    chain = ActionChains(page)
+    for key in keys[:-1]:
+        chain.key_down(key)
+    chain.send_keys(keys[-1])
+    for key in keys[:-1]:
+        chain.key_up(key)
+    chain.perform()

@@ -8,7 +8,7 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
-from rig import by_id, comes_true, field, removes
+from rig import by_id, comes_true, field
 
 
 def drags_an_object(page, rig):
@@ -80,7 +80,7 @@ def loads_and_removes_a_model(page, rig):
     by_id(page, "upload").send_keys(str(copy))
     comes_true("the new object", lambda: len(rig.scene()["object"]) == count + 1)
     assert (rig.folder / "take/models/new_thing.glb").exists()
-    removes(page, field(page, "remove", "new thing"))
+    field(page, "remove", "new thing").click()
     comes_true("the object is gone", lambda: len(rig.scene()["object"]) == count)
     comes_true("the run knows", lambda: len(rig.state()["objects"]) == count)
 
@@ -110,7 +110,7 @@ def colors_a_lamp(page, rig):
 
 def removes_a_lamp(page, rig):
     lamps = rig.scene()["light"]["lamp"]
-    removes(page, field(page, "remove", lamps[-1]["name"]))
+    field(page, "remove", lamps[-1]["name"]).click()
     comes_true("the lamp is gone", lambda: len(rig.scene()["light"]["lamp"]) == len(lamps) - 1)
 
 

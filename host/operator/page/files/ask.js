@@ -15,16 +15,29 @@ function make(tag, fields, ...children) {
   return node;
 }
 function set(node, key, value) { if (node[key] !== value) node[key] = value; }
-// A control that is being used keeps what the user does.
-function setValue(node, value) { if (document.activeElement !== node) set(node, 'value', String(value)); }
-
-let message_timer = 0;
-function tell(text) {
-  el('message').textContent = text;
-  el('message').hidden = !text;
-  clearTimeout(message_timer);
-  if (text) message_timer = setTimeout(() => tell(''), 8000);
+// A control that is being used keeps what the user does, until it is taken back.
+let again_until_ms = 0;
+function showAgain() { again_until_ms = performance.now() + 1500; }
+function setValue(node, value) {
+  if (document.activeElement !== node || performance.now() < again_until_ms) set(node, 'value', String(value));
 }
+
+// One line under the header: an error stays until it is read, a note goes by itself.
+let message_timer = 0;
+function tell(text, undo) {
+  el('message-text').textContent = text;
+  el('message').hidden = !text;
+  el('message').className = 'bad-message';
+  el('message-undo').hidden = !undo;
+  clearTimeout(message_timer);
+}
+function note(text, undo) {
+  tell(text, undo);
+  el('message').className = '';
+  message_timer = setTimeout(() => tell(''), undo ? 12000 : 5000);
+}
+el('message-close').addEventListener('click', () => tell(''));
+el('message-undo').addEventListener('click', () => Edits.back('undo'));
 
 async function ask(method, path, body, type) {
   try {
@@ -47,5 +60,10 @@ async function askNewest(key, method, path, body) {
   const next = waiting.get(key);
   waiting.delete(key);
   if (next) await askNewest(key, ...next);
+}
+// A change by a control; what Escape has cancelled does not come.
+function change(key, path, body) {
+  if (Edits.locked || Edits.cancelled) return;
+  askNewest(key, 'PUT', path, body);
 }
 const thing_path = (kind, name) => `${kind}/${encodeURIComponent(name)}`;

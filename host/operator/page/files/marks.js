@@ -34,7 +34,7 @@ function at_of(event) {
   return [clamp((event.clientX - box.left) / box.width), clamp((event.clientY - box.top) / box.height)];
 }
 function makeHandle(o) {
-  const put = body => askNewest('object ' + o.name, 'PUT', thing_path('objects', o.name), body);
+  const put = body => change('object ' + o.name, thing_path('objects', o.name), body);
   const handle = make('button', { className: 'handle', 'aria-label': `Move ${o.name}` },
     make('span', {}, o.name));
   const to = () => el('onto').checked ? 'onto' : 'at';
@@ -59,7 +59,7 @@ function makeHandle(o) {
     dragged = '';
     put({ [to()]: moved(e) });
   });
-  handle.addEventListener('pointercancel', () => { dragged = ''; });
+  handle.addEventListener('pointercancel', () => { if (dragged === o.name) cancelDrag(); });
   handle.addEventListener('keydown', e => {
     const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
     const step = steps[e.key];
@@ -71,7 +71,13 @@ function makeHandle(o) {
   });
   return handle;
 }
+function cancelDrag() {
+  dragged = '';
+  Edits.cancel();
+  showHandles();
+}
 el('stage').addEventListener('click', async e => {
+  if (Edits.locked) return;
   if (focusing && !e.target.closest('button.handle')) {
     setFocusing(false);
     await ask('PUT', 'focus', { at: at_of(e) });

@@ -1,71 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// The operator's page: state comes by the event socket, changes go by REST (docs/reference/page_openapi.yaml).
+// What the page shows of each part of the state, and its controls, which send changes by REST
+// (docs/reference/page_openapi.yaml).
 'use strict';
-
-let socket = null;
-
-// ---- the socket
-function connect() {
-  socket = new WebSocket(`ws://${location.host}/api/v1/event/websocket`);
-  const request = data => socket.readyState === 1 && socket.send(JSON.stringify({ type: 'request', data }));
-  const askTime = () => { time_sent.push(performance.now()); request({ action: 'time' }); };
-  const time_sent = [];
-  let timer = 0;
-  socket.onopen = () => {
-    request({ action: 'subscribe', properties: ['*'] });
-    Picture.tryWebrtc();
-    askTime();
-    timer = setInterval(askTime, 2000);
-  };
-  socket.onmessage = event => {
-    const { data } = JSON.parse(event.data);
-    if (data.action === 'time') Picture.noteClock(time_sent.shift(), data.host_ms);
-    if (data.action === 'subscribe')
-      for (const [key, value] of Object.entries(data.values || {})) take(key.slice(1), value);
-    if (data.action === 'propertyValueChanged') take(data.property.slice(1), data.value);
-  };
-  socket.onclose = () => {
-    clearInterval(timer);
-    el('summary').textContent = 'no connection to the rig; trying again';
-    el('summary').className = 'bad';
-    setTimeout(connect, 1000);
-  };
-}
-function take(part, value) {
-  state[part] = value;
-  if (show[part]) show[part](value);
-}
 
 // ---- what is shown
 const show = {
-  view(view) {
-    for (const tab of document.querySelectorAll('[data-view]')) {
-      const on = tab.dataset.view === view;
-      tab.setAttribute('aria-selected', on);
-      tab.tabIndex = on ? 0 : -1;
-    }
-    el('canvas').setAttribute('aria-label', `Live picture: ${view}`);
-    Picture.show(view);
-  },
+  view() { Views.show(); },
   freeze(on) { el('freeze').setAttribute('aria-pressed', on); },
   picture(p) {
-    el('summary').className = '';
     el('summary').textContent = `frame ${p.frame}, ${p.fps.toFixed(1)} frames per second, ` +
       `${p.frame_ms.toFixed(0)} ms per frame, delay ${p.delay_ms.toFixed(0)} ms`;
     showHealth();
   },
   recording(r) {
-    const tally = el('tally');
-    tally.dataset.on = r.on;
-    tally.textContent = r.on ? `recording ${r.name}` : 'not recording';
+    showTally();
     el('record').dataset.on = r.on;
     el('record').textContent = r.on ? 'Stop' : 'Record';
-    el('record').disabled = !r.possible;
+    el('record').disabled = Live.lost || !r.possible;
     el('record-state').textContent = r.on
       ? `${r.seconds.toFixed(1)} s, ${r.frames} frames, ${r.lost} lost`
       : r.error ? r.error : r.folder ? `saved in ${r.folder}` : '';
     el('record-state').className = r.error ? 'bad' : '';
   },
+  edits(e) { Edits.show(e); },
   background(b) {
     el('background').textContent = b.text;
     el('learn').disabled = !b.possible;
@@ -106,7 +63,10 @@ const show = {
     showThings('cameras', list, makeCamera, updateCamera);
   },
   lamps(list) { showThings('lamps', list, makeLamp, updateLamp); showHandles(); },
-  disk: showHealth, calibration: showHealth, pose: showHealth, run: showHealth,
+  disk() { showHealth(); showDisk(); },
+  takes(list) { showTakes(list); },
+  presets(list) { showPresets(list); },
+  calibration: showHealth, pose: showHealth, run: showHealth,
   streams(list) {
     el('streams').replaceChildren(...list.map(s => make('li', { className: s.ok ? '' : 'bad' },
       `${s.name}: ${s.ok ? 'ok' : s.do}` + (s.frames ? `, ${s.frames} frames, ${s.lost} lost` : ''))));
@@ -155,18 +115,7 @@ function showAge() {
 setInterval(showAge, 100);
 
 // ---- controls
-for (const tab of document.querySelectorAll('[data-view]')) {
-  tab.addEventListener('click', () => ask('PUT', 'view', { view: tab.dataset.view }));
-  tab.addEventListener('keydown', e => {
-    const next = e.key === 'ArrowRight' ? tab.nextElementSibling
-      : e.key === 'ArrowLeft' ? tab.previousElementSibling : null;
-    if (next) { next.focus(); next.click(); }
-  });
-}
 el('freeze').addEventListener('click', () => ask('PUT', 'freeze', { on: !state.freeze }));
-el('record').addEventListener('click', () => state.recording && state.recording.on
-  ? ask('POST', 'record/stop')
-  : ask('POST', 'record/start', { name: el('take-name').value.trim(), notes: el('take-notes').value }));
 el('save').addEventListener('click', () => ask('POST', 'scene/save'));
 el('scan').addEventListener('click', () =>
   ask('POST', state.scan && state.scan.total ? 'background/cancel' : 'background/scan'));
@@ -189,7 +138,7 @@ el('upload').addEventListener('change', async e => {
   const file = e.target.files[0];
   if (!file) return;
   const name = file.name.replace(/\.glb$/i, '').slice(0, 60) || 'model';
-  await ask('POST', thing_path('objects', name), file, 'model/gltf-binary');
+  if (await ask('POST', thing_path('objects', freeName(name)), file, 'model/gltf-binary')) note(`Added ${name}.`, true);
   e.target.value = '';
 });
-connect();
+Live.connect();

@@ -16,6 +16,13 @@ function showThings(kind, list, build, update) {
     update(block, thing);
   }
 }
+// A name that no object has.
+function freeName(name) {
+  const names = (state.objects || []).map(one => one.name);
+  let free = name;
+  for (let i = 2; names.includes(free); ++i) free = `${name} ${i}`;
+  return free;
+}
 function field(label, name, input) {
   input.setAttribute('aria-label', `${label} of ${name}`);
   input.dataset.field = label;
@@ -23,8 +30,12 @@ function field(label, name, input) {
 }
 const part = (block, name) => block.querySelector(`[data-field="${name}"]`);
 
+async function removeThing(kind, name) {
+  if (await ask('DELETE', thing_path(kind, name))) note(`Removed ${name}.`, true);
+}
+
 function makeObject(o) {
-  const put = body => askNewest('object ' + o.name, 'PUT', thing_path('objects', o.name), body);
+  const put = body => change('object ' + o.name, thing_path('objects', o.name), body);
   const turn = field('turn', o.name, make('input', { type: 'range', min: -180, max: 180, step: 1,
     oninput: e => put({ turn_deg: Number(e.target.value), preview: true }),
     onchange: e => put({ turn_deg: Number(e.target.value) }) }));
@@ -33,17 +44,21 @@ function makeObject(o) {
   const hide = field('hide', o.name, make('button', { 'aria-pressed': 'false',
     onclick: e => put({ hidden: e.currentTarget.getAttribute('aria-pressed') !== 'true' }) }, 'Hide'));
   const remove = field('remove', o.name, make('button', {
-    onclick: () => confirm(`Remove ${o.name} from the scene?`) &&
-      ask('DELETE', thing_path('objects', o.name)) }, 'Remove'));
-  return make('div', { className: 'thing' }, make('b', {}, o.name), ' ',
-    make('span', { className: 'hint' }),
+    onclick: () => removeThing('objects', o.name) }, 'Remove'));
+  const rename = field('name', o.name, make('input', { type: 'text', maxLength: 64, value: o.name,
+    onchange: e => e.target.value && e.target.value !== o.name && put({ name: e.target.value }) }));
+  const copy = field('duplicate', o.name, make('button', {
+    onclick: () => ask('POST', thing_path('objects', o.name) + '/copy') }, 'Duplicate'));
+  return make('div', { className: 'thing' }, rename,
+    make('span', { className: 'hint where' }),
     make('div', { className: 'row' }, make('span', { className: 'hint' }, 'turn'), turn),
-    make('div', { className: 'row' }, make('span', { className: 'hint' }, 'scale'), scale, hide, remove));
+    make('div', { className: 'row' }, make('span', { className: 'hint' }, 'scale'), scale, hide, copy, remove));
 }
 function updateObject(block, o) {
-  set(block.querySelector('.hint'), 'textContent', o.position_m.map(v => v.toFixed(2)).join(', ') + ' m');
+  set(block.querySelector('.where'), 'textContent', o.position_m.map(v => v.toFixed(2)).join(', ') + ' m');
   setValue(part(block, 'turn'), Math.round(o.turn_deg));
   setValue(part(block, 'scale'), o.scale);
+  setValue(part(block, 'name'), o.name);
   part(block, 'hide').setAttribute('aria-pressed', o.hidden);
   for (const name of ['turn']) part(block, name).disabled = o.moves;
 }
@@ -64,14 +79,13 @@ function intensity_of(block) {
   return rgb.map(v => strength * v / most);
 }
 function makeLamp(l) {
-  const put = body => askNewest('lamp ' + l.name, 'PUT', thing_path('lamps', l.name), body);
+  const put = body => change('lamp ' + l.name, thing_path('lamps', l.name), body);
   const strength = field('strength', l.name, make('input', { type: 'range', min: -2, max: 2, step: 0.02 }));
   const color = field('color', l.name, make('input', { type: 'color' }));
   const on = field('on', l.name, make('button', { 'aria-pressed': 'true',
     onclick: e => put({ on: e.currentTarget.getAttribute('aria-pressed') !== 'true' }) }, 'On'));
   const remove = field('remove', l.name, make('button', {
-    onclick: () => confirm(`Remove ${l.name} from the scene?`) &&
-      ask('DELETE', thing_path('lamps', l.name)) }, 'Remove'));
+    onclick: () => removeThing('lamps', l.name) }, 'Remove'));
   const block = make('div', { className: 'thing' }, make('b', {}, l.name), ' ',
     make('span', { className: 'hint' }),
     make('div', { className: 'row' }, make('span', { className: 'hint' }, 'strength'), strength, color),
@@ -95,7 +109,7 @@ function updateLamp(block, l) {
 const setting_names = { exposure_ms: 'exposure, ms', gain: 'gain', focus: 'focus',
   white_balance_k: 'white balance, K', zoom: 'zoom' };
 function makeCamera(c) {
-  const put = body => askNewest('camera ' + c.name, 'PUT', thing_path('cameras', c.name), body);
+  const put = body => change('camera ' + c.name, thing_path('cameras', c.name), body);
   const rows = c.settings.map(s => {
     const label = setting_names[s.name] || s.name;
     const range = { min: s.minimum, max: s.maximum, step: s.step || 'any' };
