@@ -9,6 +9,10 @@
 #include "host/run/watchers/frame_watch.h"
 #include "host/run/watchers/room_changes_report.h"
 
+namespace mixrig::output {
+class RunOrders;
+}
+
 namespace mixrig::session {
 
 class ChangeSink;
