@@ -187,6 +187,23 @@ Result<std::unique_ptr<capture::CaptureSource>> open_board_source(const std::str
   return make_board_source(options, frames, !word[4].empty());
 }
 
+namespace {
+
+Result<void> write_board_frames(BoardSource& source, int frames, take::TakeWriter& writer,
+                                const std::function<void(int)>& progress,
+                                const std::atomic<bool>* stop) {
+  capture::Capture capture;
+  for (int number = 1; number <= frames; ++number) {
+    MIXRIG_TRY(source.read(number, capture));
+    MIXRIG_TRY(writer.write(capture));
+    progress(number);
+    MIXRIG_TRY(check_stop(stop, number, frames));
+  }
+  return write_board_truth(source.board(), writer.staging());
+}
+
+}  // namespace
+
 Result<studio::BoardInfo> write_board_take(const studio::BoardOptions& options, int frames,
                                            const std::filesystem::path& folder,
                                            take::StreamFormat format,
@@ -194,14 +211,11 @@ Result<studio::BoardInfo> write_board_take(const studio::BoardOptions& options, 
                                            const std::atomic<bool>* stop) {
   MIXRIG_ASSIGN(const auto source, create(options, frames, true));
   MIXRIG_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(folder, source->take(), format));
-  capture::Capture capture;
-  for (int number = 1; number <= frames; ++number) {
-    MIXRIG_TRY(source->read(number, capture));
-    MIXRIG_TRY(writer.write(capture));
-    progress(number);
-    MIXRIG_TRY(check_stop(stop, number, frames));
+  const Result<void> done = write_board_frames(*source, frames, writer, progress, stop);
+  if (!done) {
+    writer.discard();
+    return done.error();
   }
-  MIXRIG_TRY(write_board_truth(source->board(), writer.staging()));
   MIXRIG_TRY(writer.finish());
   return source->board();
 }
