@@ -183,7 +183,7 @@ Light read_light(const Table& table) {
   Light light;
   light.ambient = color_or(table, "ambient", light.ambient);
   light.exposure = table.number_or("exposure", light.exposure, {1e-6, 1e6});
-  light.by_direction = table.one_of("ambient_by", {"room", "constant"}, 0) == 0;
+  light.by_direction = table.one_of("ambient_by", {"constant", "room"}, 1) == 1;
   light.contact = table.boolean_or("contact", light.by_direction);
   light.follow = table.boolean_or("follow", light.follow);
   for (const Table& lamp : table.tables("lamp"))
