@@ -7,15 +7,13 @@ Exit status 77: skipped, Chromium or selenium is not there.
 """
 import os
 import pathlib
-import shutil
 import struct
 import sys
 import tempfile
 import tomllib
 
-from selenium.webdriver.common.action_chains import ActionChains
-
-from rig import By, Keys, Rig, age_ms, browser, by_id, comes_true, field, has_names, presses, types
+from rig import (ActionChains, By, Keys, Rig, age_ms, browser, by_id, comes_true, field, has_names, presses,
+                 skip_without_browser, types)
 from picture import shows_a_live_picture
 
 SIZES = {"desktop": (1440, 900), "portrait": (390, 844), "landscape": (844, 390)}
@@ -243,9 +241,7 @@ def says_that_the_rig_died(page, rig, out):
 def main():
     mixrig = sys.argv[1]
     out = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else None
-    if not (shutil.which("chromium") and shutil.which("chromedriver")):
-        print("skipped: chromium or chromium-driver is not there: scripts/setup browser")
-        sys.exit(77)
+    skip_without_browser()
     with tempfile.TemporaryDirectory(prefix="mixrig-day-") as folder:
         os.environ["HOME"] = folder
         rig = Rig(mixrig, folder)

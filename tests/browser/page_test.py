@@ -18,7 +18,7 @@ import urllib.error
 import urllib.request
 
 from rig import (By, HalfLost, HeadRig, LiveRig, Rig, age_ms, browser, by_id, comes_true, field, has_names,
-                 types)
+                 skip_without_browser, types)
 from picture import (brightness, comes_by_webrtc, falls_back_to_mjpeg, focuses, freezes, says_when_the_rig_is_gone,
                      says_why_it_is_mjpeg, shows_a_live_picture, two_pages_have_two_views)
 from things import (adds_a_lamp, adds_a_lamp_where_it_is_seen, colors_a_lamp, dims_a_lamp, drags_an_object,
@@ -191,9 +191,7 @@ def console_is_clean(page):
 
 def main():
     mixrig = sys.argv[1]
-    if not (shutil.which("chromium") and shutil.which("chromedriver")):
-        print("skipped: chromium or chromium-driver is not there: scripts/setup browser")
-        sys.exit(77)
+    skip_without_browser()
     with tempfile.TemporaryDirectory(prefix="mixrig-page-") as folder:
         os.environ["HOME"] = folder
         rig = Rig(mixrig, folder)

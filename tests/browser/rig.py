@@ -33,6 +33,12 @@ LIMIT_S = 120  # for what hangs; a loaded machine is slow
 NOT_YET = (WebDriverException, LookupError, StopIteration, OSError)
 
 
+def skip_without_browser():
+    if not (shutil.which("chromium") and shutil.which("chromedriver")):
+        print("skipped: chromium or chromium-driver is not there: scripts/setup browser")
+        sys.exit(77)
+
+
 def comes_true(what, condition):
     end = time.monotonic() + LIMIT_S
     why = None
