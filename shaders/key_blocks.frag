@@ -4,7 +4,7 @@
 //   state  of key_state.frag
 //   w      1/m, negative where a cut cell drew it
 //   plate  linear light, view
-//   limit_w  as in key_state.frag: negative where the background has no depth
+//   limit_w  as in key_state.frag
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/key.glsl"
@@ -28,8 +28,7 @@ void main() {
       b.others = b.others || s != foreground;
       b.doubt = b.doubt || s == doubt;
       float pixel_w = texelFetch(w, at, 0).r, measured = abs(pixel_w);
-      bool behind = measured < -behind_hole * texelFetch(limit_w, at, 0).r;
-      if (!by_volume && measured > 0.0 && behind) b.mirrored += 1.0;
+      if (!by_volume && measured > 0.0 && measured < texelFetch(limit_w, at, 0).g) b.mirrored += 1.0;
       if (needs_room && s == background) {
         vec3 color = texelFetch(plate, at, 0).rgb;
         b.room += 1.0;

@@ -15,7 +15,6 @@ layout(binding = 2) uniform sampler2D band;
 layout(binding = 3) uniform sampler2D votes;
 uniform bool use_color;
 uniform ivec2 tap_px;  // half a footprint and a whole one
-uniform int inside_px;  // distance of the taps all around
 out float matte;
 
 int state_at(ivec2 at) {
@@ -34,36 +33,24 @@ float share_at(ivec2 at) {
   return s == foreground ? 1.0 : s == background ? 0.0 : unknown_share;
 }
 
-// People's share of the taps around: those of the depth vote or, for `inside`, wider ones.
-float share_around(ivec2 at, bool inside) {
+float depth_vote(ivec2 at) {
   float sum = 0.0;
   for (int j = -depth_tap_radius; j <= depth_tap_radius; ++j)
     for (int i = -depth_tap_radius; i <= depth_tap_radius; ++i)
-      sum += share_at(at + (inside ? inside_px * ivec2(i, j) : ivec2(tap(i), tap(j))));
+      sum += share_at(at + ivec2(tap(i), tap(j)));
   const int taps = 2 * depth_tap_radius + 1;
-  return sum / float(taps * taps);
-}
-
-float depth_vote(ivec2 at) {
-  float balance = 2.0 * share_around(at, false) - 1.0;
+  float balance = 2.0 * sum / float(taps * taps) - 1.0;
   return (balance > 0.0 ? foreground_weight : background_weight) * balance;
 }
 
-// Means over 3x3 pixels: the vote, and the part that people's colours cannot explain.
-vec2 color_vote(ivec2 at, ivec2 block) {
-  if (!use_color) return vec2(0);
+// Mean over 3x3 pixels.
+float color_vote(ivec2 at, ivec2 block) {
+  if (!use_color) return 0.0;
   ivec2 first = at + 2 * block;  // block * (block_px + 2) + at - block * block_px, less the border
-  vec2 sum = vec2(0);
+  float sum = 0.0;
   for (int j = 0; j < 3; ++j)
-    for (int i = 0; i < 3; ++i) sum += vote_and_other(texelFetch(votes, first + ivec2(i, j), 0).r);
+    for (int i = 0; i < 3; ++i) sum += texelFetch(votes, first + ivec2(i, j), 0).r;
   return sum / 9.0;
-}
-
-float odds_of_people(ivec2 at, ivec2 block, int s) {
-  vec2 color = color_vote(at, block);
-  // 1e-4: the cpu back end sums fifths exactly.
-  bool inside = s == foreground && color.y < 0.5 && share_around(at, true) >= inside_share - 1e-4;
-  return color.x + (inside ? inside_weight : depth_vote(at));
 }
 
 void main() {
@@ -73,5 +60,5 @@ void main() {
   int s = state_at(at);
   matte = s == foreground ? 1.0 : 0.0;
   if ((flags & 2) != 0 || s == doubt || ((flags & 1) != 0 && s == unknown))
-    matte = clamp(0.5 + 0.5 * odds_of_people(at, block, s), 0.0, 1.0);
+    matte = clamp(0.5 + 0.5 * (color_vote(at, block) + depth_vote(at)), 0.0, 1.0);
 }

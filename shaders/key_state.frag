@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pass key, by depth: points nearer than the limit are foreground, the others background.
 //   w        1/m, sign aside; 0 unknown
-//   limit_w  1/m, negative or infinite without background depth; not read if the volume alone keys
+//   limit_w  1/m, negative or infinite without background depth; and, for a still camera, what lies
+//            behind a mirror (Tables::hole_behind_w); not read if the volume alone keys
 //   state    render::PixelState / 255; edge means doubt
 #include "common/precision.glsl"
 #include "common/constants.glsl"
@@ -37,11 +38,12 @@ float volume_limit_w(vec3 ray) {
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
   float measured = abs(texelFetch(w, at, 0).r);
-  float limit = by_volume ? volume_limit_w(ray_of(at)) : texelFetch(limit_w, at, 0).r;
+  vec2 limits = by_volume ? vec2(volume_limit_w(ray_of(at)), 0.0) : texelFetch(limit_w, at, 0).rg;
+  float limit = limits.x;
   int s = unknown;
   bool learned = limit > 0.0 && limit < no_limit_w;
-  bool is_behind = measured < -behind_hole * limit;
-  if (measured > 0.0) s = measured > abs(limit) ? foreground : learned || is_behind ? background : doubt;
+  bool behind = learned || measured < limits.y;
+  if (measured > 0.0) s = measured > abs(limit) ? foreground : behind ? background : doubt;
   if (crop && s >= foreground && outside_box(at, measured)) s = background;
   state = float(s) / 255.0;
 }

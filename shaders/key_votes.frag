@@ -7,8 +7,7 @@
 //                 not learned)
 //   band, person, room, person_deep  blocks, of key_band.frag
 //   light  of key_light.frag, for a still camera
-//   vote          within color_vote_cap, or up to brighter_vote_cap; drawn only where votes decide;
-//                 also whether people's colours cannot explain the pixel (common/key.glsl)
+//   vote          within color_vote_cap, or up to other_vote_cap; drawn only where votes decide
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/key.glsl"
@@ -44,10 +43,8 @@ Room to_room(vec3 p, vec3 b, float spread, float darkest) {
   // A shadow darkens the background without changing its hue.
   float shade = dot(p, b) / max(dot(b, b), 1e-8), k = clamp(shade, darkest_shadow, 1.0);
   vec3 off = p - k * b, other = p - clamp(shade, darkest, 1.0) * b;
-  float dark = (1.0 - k) / shadow_sigma;
-  bool is_brighter = luminance(p) > brighter * luminance(b) + brighter_light;
   bool is_other = is_still && dot(other, other) > other_color * variance;
-  return Room(dot(off, off) / variance + dark * dark, variance, is_brighter || is_other);
+  return Room(dot(off, off) / variance, variance, is_other);
 }
 
 // By the learned light or, where that is nearer to the plate, by the light found around.
@@ -97,6 +94,5 @@ void main() {
     odds = 0.5 * background2 + spread_odds * log(variance) + person_odds;
   }
   float cap = has_learned ? color_vote_cap : room_vote_cap;
-  vote = stored_vote(clamp(odds, -cap, no_shadow ? brighter_vote_cap : cap),
-                     has_learned && has_person && odds < inside_odds);
+  vote = clamp(odds, -cap, no_shadow ? other_vote_cap : cap);
 }

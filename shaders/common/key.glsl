@@ -3,13 +3,6 @@
 // block_px wide. Needs common/constants.glsl.
 const int unknown = 0, background = 1, foreground = 2, doubt = 3;
 
-// Stores a colour vote, and whether people's colours cannot explain the pixel, in one number
-// (key_votes.frag).
-float stored_vote(float vote, bool other) { return other ? vote - 64.0 : vote; }
-vec2 vote_and_other(float stored) {
-  return stored < -32.0 ? vec2(stored + 64.0, 1) : vec2(stored, 0);
-}
-
 int to_state(float stored) { return int(stored * 255.0 + 0.5); }
 
 // Sums over a block, held by three textures with one texel a block.

@@ -146,12 +146,6 @@ inline constexpr float kFillRatio = 1.06F;
 /// Limits of the key from here on mean that the background has no depth there: depth cannot decide
 /// (doubt).
 inline constexpr float kNoLimitW = 1e30F;
-/// Still camera: where the background has no depth (mirror, glass, black things), w above this
-/// factor of the limit around it is foreground.
-inline constexpr float kHolePart = 1.1F;
-/// Still camera: where the background has no depth, w below this factor of the limit that kHolePart
-/// raised is a reflection, and so background.
-inline constexpr float kBehindHole = 0.85F;
 
 // --- key: colour votes, in log odds
 /// Least standard deviation of a linear colour in the dark, by camera noise.
@@ -161,20 +155,14 @@ inline constexpr float kColorFlicker = 0.05F;
 /// The darkest shadow of the background, as a factor of its light; what is darker counts as another
 /// colour.
 inline constexpr float kDarkestShadow = 0.85F;
-/// Standard deviation of the shadow's darkening: kDarkestShadow is half of one deviation.
-inline constexpr float kShadowSigma = 0.3F;
 /// Largest colour vote of a pixel, a probability of 98 %; measured background outweighs it.
 inline constexpr float kColorVoteCap = 4.0F;
-/// A colour brighter than the learned one by this factor and by kBrighterLight of linear light is
-/// no shadow, so its vote for people may reach kBrighterVoteCap and outweigh measured background
-/// (white shoes on the floor, whose depths differ by less than the noise). Darker colours keep the
-/// lower cap: they may be shadows.
-inline constexpr float kBrighter = 1.1F;
-inline constexpr float kBrighterLight = 0.02F;
-inline constexpr float kBrighterVoteCap = 6.0F;
-/// Still camera: the larger cap also holds for a colour whose squared distance to the learned one,
-/// times any factor from kDeepestShadow to 1, exceeds kOtherColor variances (a grey sole on a red
-/// rug, whose depth is the rug's). A least factor of 0.5 would key the shadows of people.
+/// Largest vote for people of a colour that no shadow explains: it outweighs measured background
+/// (white shoes on the floor, whose depths differ by less than the noise).
+inline constexpr float kOtherVoteCap = 6.0F;
+/// Still camera: such a colour's squared distance to the learned one, times any factor from
+/// kDeepestShadow to 1, exceeds kOtherColor variances (a grey sole on a red rug, whose depth is the
+/// rug's). A least factor of 0.5 would key the shadows of people.
 inline constexpr float kDeepestShadow = 0.3F;
 inline constexpr float kOtherColor = 16.0F;
 /// Largest colour vote where the room's colour is estimated from the pixels around, which is a
@@ -190,15 +178,6 @@ inline constexpr int kDepthTapRadius = 2;
 /// Weight of measured foreground: people lag in ToF depth and extend over edges, so colour may
 /// outvote it where depth is off by more than a footprint.
 inline constexpr float kForegroundWeight = 3.0F;
-/// Weight of foreground that is measured all around, where colour must not cut holes into a shirt
-/// that looks like the wall. The taps are half a block or kInsideFootprints apart, whichever is
-/// more, and kInsideShare of them must be people. Most of 3x3 colours must favour people by more
-/// than kInsideOdds: the colours of a gap between two legs, which the ToF camera does not resolve,
-/// are lower.
-inline constexpr float kInsideWeight = 6.0F;
-inline constexpr float kInsideFootprints = 2.5F;
-inline constexpr float kInsideShare = 0.95F;
-inline constexpr float kInsideOdds = -7.0F;
 /// Weight of measured background: depth is sure there, while colour may be a shadow.
 inline constexpr float kBackgroundWeight = 5.0F;
 /// Value of a tap without measurement, between background 0 and foreground 1: below one half, so
@@ -223,9 +202,6 @@ inline constexpr float kShareNoise = 0.01F;
 inline constexpr float kSharePart = 0.1F;
 /// The share by colours counts by half where the colours are this many standard deviations apart.
 inline constexpr float kShareApart = 4.0F;
-/// Darkest shadow of the background, as a factor of its light, that the share allows for: people's
-/// colour is compared with the most alike of these shades.
-inline constexpr float kShareShadow = 0.4F;
 /// Least part of a window that people must fill for a share by colours.
 inline constexpr float kShareLeast = 0.02F;
 

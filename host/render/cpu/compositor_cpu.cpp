@@ -108,6 +108,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
     background_ = moving_background_->view();
     tables_.has_background = true;
     tables_.key_limit_w.reset(tables_.view_size);
+    tables_.hole_behind_w.reset(tables_.view_size);
   }
   if (setup_.tof2) second_depth_.emplace(setup_, tables_, grid_);
   tables_.plate_px = {}, tables_.plate_gain = {};  // plate_scratch_ holds them in a faster form

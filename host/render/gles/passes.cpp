@@ -15,7 +15,7 @@ Result<void> create_things(const CompositorSetup& setup, const Tables& tables,
 void drop_uploaded(Tables& tables) {
   tables.tof_ray = tables.plate_px = {};
   tables.plate_gain = {};
-  tables.key_limit_w = {};
+  tables.key_limit_w = {}, tables.hole_behind_w = {};
   tables.background_normal = {};
   tables.light_depth_m = tables.edge_depth_m = {};
 }

@@ -15,6 +15,9 @@ namespace mixrig::render {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+/// Where no depth was learned (mirror, glass, black things), w below this part of the limit of what
+/// lies around is a reflection.
+constexpr float kBehindHole = 0.93F;
 
 Image<glm::vec2> plate_map(const geometry::CameraModel& target, const geometry::Pinhole& view) {
   Image<glm::vec2> map(view.size_px);
@@ -53,15 +56,16 @@ Image<float> largest_within(const Image<float>& image, int radius) {
   return out;
 }
 
-/// Where no depth was learned, stores the largest of the nearest limits along row and column,
-/// negated and raised by kHolePart.
-void fill_limit(Image<float>& limit) {
-  const Size size = limit.size();
-  Image<float> filled(size);
+/// Sets the limits of holes, where no depth was learned, by the nearest limits to the left and
+/// right, above and below: the largest of the four, negated, and kBehindHole of the second largest.
+void fill_holes(KeyLimit& limit) {
+  const Size size = limit.w.size();
+  Image<glm::vec2> largest(size);  // and the second largest
   const auto carry = [&](int x, int y, float& last) {
-    const float own = limit.row(y)[x];
+    const float own = limit.w.row(y)[x];
     if (own < kNoLimitW) last = own;
-    filled.row(y)[x] = std::max(filled.row(y)[x], last);
+    glm::vec2& two = largest.row(y)[x];
+    two = {std::max(two.x, last), std::max(two.y, std::min(two.x, last))};
   };
   for (int y = 0; y < size.height; ++y) {
     float last = 0;
@@ -77,9 +81,11 @@ void fill_limit(Image<float>& limit) {
   }
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x) {
-      float& value = limit.row(y)[x];
-      const float around = filled.row(y)[x];
-      if (!(value < kNoLimitW) && around > 0) value = -kHolePart * around;
+      float& value = limit.w.row(y)[x];
+      const glm::vec2 around = largest.row(y)[x];
+      if (value < kNoLimitW || !(around.x > 0)) continue;
+      value = -around.x;
+      limit.behind_w.row(y)[x] = kBehindHole * around.y;
     }
 }
 
@@ -111,8 +117,8 @@ void set_view(const CompositorSetup& setup, Tables& tables) {
   tables.tof_footprint_px = tof_footprint_px(setup);
 }
 
-Image<float> key_limit(const BackgroundView& background, const KeyParams& key,
-                       const NoiseParams& noise, int radius_px) {
+KeyLimit key_limit(const BackgroundView& background, const KeyParams& key, const NoiseParams& noise,
+                   int radius_px) {
   const Size size = background.depth_m.size;
   Image<float> w(size);
   for (int y = 0; y < size.height; ++y)
@@ -120,10 +126,10 @@ Image<float> key_limit(const BackgroundView& background, const KeyParams& key,
       const float z = background.depth_m.row(y)[x];
       w.row(y)[x] = z > 0 && std::isfinite(z) ? 1 / z : 0;
     }
-  Image<float> limit = largest_within(w, radius_px);
+  KeyLimit limit{largest_within(w, radius_px), Image<float>(size)};
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x) {
-      float& value = limit.row(y)[x];
+      float& value = limit.w.row(y)[x];
       if (!(value > 0) || !(w.row(y)[x] > 0)) {
         value = kInfinity;
         continue;
@@ -136,7 +142,7 @@ Image<float> key_limit(const BackgroundView& background, const KeyParams& key,
           std::max(key.threshold_m, key.noise_factor * std::sqrt(spread * spread + sigma * sigma));
       value = threshold < z ? 1 / (z - threshold) : kInfinity;
     }
-  fill_limit(limit);
+  fill_holes(limit);
   return limit;
 }
 
@@ -202,7 +208,8 @@ Tables make_tables(const CompositorSetup& setup) {
   t.has_background = !setup.background.depth_m.empty();
   if (!t.has_background) return t;
   const int radius_px = limit_radius_px(t.tof_footprint_px);
-  t.key_limit_w = key_limit(setup.background, setup.key, t.correct.noise, radius_px);
+  KeyLimit limit = key_limit(setup.background, setup.key, t.correct.noise, radius_px);
+  t.key_limit_w = std::move(limit.w), t.hole_behind_w = std::move(limit.behind_w);
   if (!setup.objects.empty()) {
     BackgroundView room = setup.background;
     const Image<float> room_m = without_wrapped(room.depth_m, room.depth_sigma_m);

@@ -43,6 +43,9 @@ struct Tables {
   /// Foreground has w > abs(limit), 1/m. Where no background was learned it is the limit of what
   /// lies around, negative, or infinite: what is farther there is in doubt.
   Image<float> key_limit_w;
+  /// 1/m, where no background was learned: what has less w lies behind all that is around, as a
+  /// reflection does, and so is background. 0 elsewhere.
+  Image<float> hole_behind_w;
   /// Depth by depth_at_color_edges(), metres; empty without objects or learned colours.
   Image<float> edge_depth_m;
   /// Depth by light_surface(), metres; empty unless lamps or contact shadows light objects.
@@ -111,11 +114,15 @@ class LensFollower {
   double pupil_shift_m_ = 0;
 };
 
+/// Tables::key_limit_w and Tables::hole_behind_w.
+struct KeyLimit {
+  Image<float> w, behind_w;
+};
 /// Limit of the key as inverse depth (1/m): the nearest background within `radius_px`, moved
 /// towards the camera by the key's threshold. Where the background is unknown it is the limit
 /// around, negative, or infinity. Pure, public for tests.
-Image<float> key_limit(const BackgroundView& background, const KeyParams& key,
-                       const NoiseParams& noise, int radius_px);
+KeyLimit key_limit(const BackgroundView& background, const KeyParams& key, const NoiseParams& noise,
+                   int radius_px);
 /// Normal of a depth map at (u, v): of the plane through the inverse depths of 5x5 places, half of
 /// `radius_px` apart. Pure.
 PackedNormal normal_at(ImageView<const float> depth_m, const geometry::Pinhole& view, int u, int v,
@@ -281,11 +288,6 @@ inline int matte_tile_px(float tof_footprint_px) {
 /// Whether the plate's colours place the borders of the warp: true if it resolves finer than the
 /// depth.
 inline bool color_places_borders(float tof_footprint_px) { return tof_footprint_px > 1; }
-/// View pixels between the taps that check whether people are measured all around.
-inline int inside_tap_px(float tof_footprint_px) {
-  return std::max(kBlockPx / 2,
-                  static_cast<int>(std::lround(kInsideFootprints * tof_footprint_px)));
-}
 /// Radius, view pixels, within which the nearest background limits the key: one ToF footprint.
 inline int limit_radius_px(float tof_footprint_px) {
   return static_cast<int>(std::ceil(tof_footprint_px));

@@ -17,18 +17,18 @@ constexpr auto kBackground = static_cast<std::uint8_t>(PixelState::kBackground);
 constexpr auto kForeground = static_cast<std::uint8_t>(PixelState::kForeground);
 constexpr auto kDoubt = static_cast<std::uint8_t>(PixelState::kEdge);
 
-/// Classifies a row by depth. Returns whether a pixel shows a mirror's depth: farther than the
-/// background around an unmeasured area.
-bool classify_row(const float* w, const float* limit_w, int width, std::uint8_t* state) {
+/// Classifies a row by depth. Returns whether a pixel shows a mirror's depth.
+bool classify_row(const float* w, const float* limit_w, const float* behind_w, int width,
+                  std::uint8_t* state) {
   int mirrored = 0;
   for (int x = 0; x < width; ++x) {
     const float limit = limit_w[x];
     const bool known = w[x] > 0, learned = (limit > 0) & (limit < kNoLimitW);
-    const bool is_behind = learned | (w[x] < -kBehindHole * limit);
-    const std::uint8_t behind = is_behind ? kBackground : kDoubt;
+    const bool mirror = known & (w[x] < behind_w[x]);
+    const std::uint8_t behind = learned | mirror ? kBackground : kDoubt;
     const std::uint8_t measured = w[x] > std::abs(limit) ? kForeground : behind;
     state[x] = known ? measured : kUnknown;
-    mirrored |= known & (limit < 0) & is_behind;
+    mirrored |= mirror;
   }
   return mirrored != 0;
 }
@@ -39,14 +39,14 @@ void classify_over_floor(const KeyInput& input, const float* w, int y, int width
   constexpr int kRun = 256;
   const PinholeParams& view = input.tables.warp.view;
   const float ray_y = (static_cast<float>(y) - view.center_px.y) / view.focal_px.y;
-  std::array<float, kRun> limit_w;
+  std::array<float, kRun> limit_w, behind_w{};
   for (int x0 = 0; x0 < width; x0 += kRun) {
     const int count = std::min(kRun, width - x0);
     for (int i = 0; i < count; ++i) {
       const float ray_x = (static_cast<float>(x0 + i) - view.center_px.x) / view.focal_px.x;
       limit_w[static_cast<std::size_t>(i)] = volume_limit_w(input.params, {ray_x, ray_y, 1});
     }
-    classify_row(w + x0, limit_w.data(), count, state + x0);
+    classify_row(w + x0, limit_w.data(), behind_w.data(), count, state + x0);
   }
 }
 
@@ -113,13 +113,13 @@ void sample_blocks(const KeyInput& input, const Image<float>& view_w, int by, Ke
 }
 
 /// Counts the pixels with a mirror's depth in a row of blocks.
-void count_mirrored(const Image<float>& view_w, const Image<float>& limit_w, int by,
+void count_mirrored(const Image<float>& view_w, const Image<float>& behind_w, int by,
                     KeyScratch& scratch) {
   std::uint8_t* mirrored = scratch.planes.mirrored.row(by);
-  for (int y = block_begin(by); y < block_end(by, limit_w.height()); ++y) {
-    const float *w = view_w.row(y), *limit = limit_w.row(y);
-    for (int x = 0; x < limit_w.width(); ++x)
-      mirrored[x / kBlockPx] += w[x] > 0 && w[x] < -kBehindHole * limit[x];
+  for (int y = block_begin(by); y < block_end(by, behind_w.height()); ++y) {
+    const float *w = view_w.row(y), *behind = behind_w.row(y);
+    for (int x = 0; x < behind_w.width(); ++x)
+      mirrored[x / kBlockPx] += w[x] > 0 && w[x] < behind[x];
   }
 }
 
@@ -130,8 +130,8 @@ void classify(const KeyInput& input, const Image<float>& view_w, int by, KeyScra
     if (input.params.by == KeyBy::kVolume)
       classify_over_floor(input, view_w.row(y), y, size.width, scratch.state.row(y));
     else
-      mirrored |= classify_row(view_w.row(y), input.tables.key_limit_w.row(y), size.width,
-                               scratch.state.row(y));
+      mirrored |= classify_row(view_w.row(y), input.tables.key_limit_w.row(y),
+                               input.tables.hole_behind_w.row(y), size.width, scratch.state.row(y));
     if (input.params.crop) crop_row(input, view_w.row(y), y, size.width, scratch.state.row(y));
   }
   const int rows = block_end(by, size.height) - block_begin(by);
@@ -139,7 +139,7 @@ void classify(const KeyInput& input, const Image<float>& view_w, int by, KeyScra
     scratch.planes.count(scratch.state, bx, by,
                          rows * (block_end(bx, size.width) - block_begin(bx)));
   std::fill_n(scratch.planes.mirrored.row(by), scratch.blocks_size.width, std::uint8_t{0});
-  if (mirrored) count_mirrored(view_w, input.tables.key_limit_w, by, scratch);
+  if (mirrored) count_mirrored(view_w, input.tables.hole_behind_w, by, scratch);
 }
 
 }  // namespace

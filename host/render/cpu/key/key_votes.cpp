@@ -38,16 +38,13 @@ RoomDistance to_room(const KeyInput& input, const ColorLanes& p, const ColorLane
   const FloatLanes variance = spread * spread + floor * floor;
   const FloatLanes shade = dot(p, b) / max(dot(b, b), FloatLanes{} + 1e-8F);
   const FloatLanes k = clamp(shade, FloatLanes{} + kDarkestShadow, kOne);
-  const FloatLanes dark = (1 - k) / kShadowSigma;
   const ColorLanes d{p.r - k * b.r, p.g - k * b.g, p.b - k * b.b};
   const FloatLanes deep = clamp(shade, darkest, kOne);
   const ColorLanes off{p.r - deep * b.r, p.g - deep * b.g, p.b - deep * b.b};
-  const IntLanes brighter = luminance(p) > kBrighter * light + kBrighterLight;
-  IntLanes no_shadow = brighter;
-  if (!input.moving) no_shadow |= dot(off, off) > kOtherColor * variance;
-  const FloatLanes most =
-      no_shadow ? FloatLanes{} + kBrighterVoteCap : FloatLanes{} + kColorVoteCap;
-  return {dot(d, d) / variance + dark * dark, variance, most};
+  const FloatLanes cap = FloatLanes{} + kColorVoteCap;
+  const IntLanes no_shadow = dot(off, off) > kOtherColor * variance;
+  return {dot(d, d) / variance, variance,
+          input.moving ? cap : (no_shadow ? FloatLanes{} + kOtherVoteCap : cap)};
 }
 
 /// By the learned light or, where that is nearer to the plate, by the light found around.
@@ -75,11 +72,6 @@ FloatLanes square_to(const ColorLanes& p, const NearColor& c) {
 /// Magnitude of log odds that no colour reaches.
 constexpr float kNoPerson = 1e9F;
 
-/// Whether the depth taps all around a pixel show people.
-bool is_inside(std::uint8_t sum) {
-  return static_cast<float>(sum) >= kInsideShare * (kDepthTaps * kFifths);
-}
-
 /// Log odds of people by the sum of the depth taps around a pixel.
 float depth_odds(std::uint8_t sum) {
   constexpr float kScale = 2.0F / (kDepthTaps * kFifths);
@@ -90,14 +82,10 @@ float depth_odds(std::uint8_t sum) {
 }  // namespace
 
 void KeyVotes::set_footprint(float tof_footprint_px) {
-  for (int i = 0; i < static_cast<int>(near_.size()); ++i) {
-    const int step = i - kDepthTapRadius;
-    near_[static_cast<std::size_t>(i)] =
-        static_cast<int>(std::lround(0.5F * tof_footprint_px * static_cast<float>(step)));
-    around_[static_cast<std::size_t>(i)] = inside_tap_px(tof_footprint_px) * step;
-  }
-  const auto columns =
-      static_cast<std::size_t>(kRunPx + 2 * std::max(near_.back(), around_.back()));
+  for (int i = 0; i < static_cast<int>(taps_.size()); ++i)
+    taps_[static_cast<std::size_t>(i)] = static_cast<int>(
+        std::lround(0.5F * tof_footprint_px * static_cast<float>(i - kDepthTapRadius)));
+  const auto columns = static_cast<std::size_t>(kRunPx + 2 * taps_.back());
   if (columns_.size() < columns) columns_.resize(columns);
 }
 
@@ -130,20 +118,20 @@ void KeyVotes::load_colors(const KeyInput& input, const RoomLight& light, int bx
     load_row(input, light, block_begin(bx0) - 1, (bx1 - bx0) * kBlockPx + 2, by, j);
 }
 
-/// Averages over 3x3 pixels in the block whose first pixel is i0.
+/// Averages votes over 3x3 pixels in the block whose first pixel is i0.
 void KeyVotes::mean_of_colors(const KeyInput& input, const NearColors& near, int i0,
-                              Means& means) const {
+                              Mean& mean) const {
   const NearColor &people = near.people, &room = near.room, &deep = near.deep;
   const bool by_room = !input.learned(), known = people.known || deep.known;
   const bool by_light = input.finds_light();
-  Votes votes, others;
+  Votes votes;
   const float odds = kSpreadOdds * std::log((by_room ? room.variance : 1.0F) / people.variance);
   const float deep_odds = -kSpreadOdds * std::log(deep.variance);
   for (std::size_t j = 0; j < kRows; ++j)
     for (int i = 0; i < kRows; i += kLanes) {
       const auto at = [&](const Rows& rows) { return load<FloatLanes>(rows[j].data() + i0 + i); };
       const ColorLanes p{at(r_), at(g_), at(b_)};
-      FloatLanes vote{}, all{};
+      FloatLanes vote{};
       if (by_room) {
         if (people.known && room.known)
           vote = clamp(0.5F * (square_to(p, room) - square_to(p, people)) + odds,
@@ -159,35 +147,31 @@ void KeyVotes::mean_of_colors(const KeyInput& input, const NearColors& near, int
           const FloatLanes inner = deep_odds - 0.5F * square_to(p, deep);
           person = by_deep ? inner : max(person, inner);
         }
-        if (known) all = 0.5F * at(distance_) + (kSpreadOdds * at(log_spread_) + person);
-        vote = known ? clamp(all, least, most)
+        vote = known ? clamp(0.5F * at(distance_) + (kSpreadOdds * at(log_spread_) + person), least,
+                             most)
                      : clamp(0.5F * at(distance_) - kColorVoteCap, least,
                              min(most, FloatLanes{} + kColorVoteCap));
       }
       store(votes[j].data() + i, vote);
-      store(others[j].data() + i,
-            (vote < 0) & (all < kInsideOdds) ? FloatLanes{} + 1 : FloatLanes{});
     }
   for (std::size_t j = 0; j < kBlockPx; ++j)
     for (std::size_t i = 0; i < kBlockPx; ++i) {
-      float sum = 0, other = 0;
+      float sum = 0;
       for (std::size_t dj = 0; dj < 3; ++dj)
-        for (std::size_t di = 0; di < 3; ++di)
-          sum += votes[j + dj][i + di], other += others[j + dj][i + di];
-      means.vote[j][i] = sum / 9;
-      means.other[j][i] = other / 9;
+        for (std::size_t di = 0; di < 3; ++di) sum += votes[j + dj][i + di];
+      mean[j][i] = sum / 9;
     }
 }
 
 /// Sums the depth taps, in fifths, around the pixels x0 .. x1 - 1 of row y. The taps form a grid of
 /// columns and rows; beyond the picture its border repeats.
-void KeyVotes::sum_depths(const Image<std::uint8_t>& state, Size size, const Taps& taps, int x0,
-                          int x1, int y, std::uint8_t* sums) {
-  const int reach = taps.back(), left = x0 - reach, right = x1 + reach;
+void KeyVotes::sum_depths(const Image<std::uint8_t>& state, Size size, int x0, int x1, int y,
+                          std::uint8_t* sums) {
+  const int reach = taps_.back(), left = x0 - reach, right = x1 + reach;
   const int first = std::max(0, left), count = std::min(size.width, right) - first;
   std::uint8_t* columns = columns_.data() + (first - left);
   std::fill_n(columns, count, std::uint8_t{0});
-  for (const int tap : taps) {
+  for (const int tap : taps_) {
     const std::uint8_t* s = state.row(std::clamp(y + tap, 0, size.height - 1)) + first;
     for (int i = 0; i < count; ++i) {
       const std::uint8_t measured = s[i] == kVotedForeground ? kFifths : 2;
@@ -198,7 +182,7 @@ void KeyVotes::sum_depths(const Image<std::uint8_t>& state, Size size, const Tap
   std::fill(columns_.data(), columns, columns[0]);
   std::fill(columns + count, columns_.data() + (right - left), columns[count - 1]);
   std::fill_n(sums, x1 - x0, std::uint8_t{0});
-  for (const int tap : taps) {
+  for (const int tap : taps_) {
     const std::uint8_t* from = columns_.data() + reach + tap;
     for (int i = 0; i < x1 - x0; ++i) sums[i] = static_cast<std::uint8_t>(sums[i] + from[i]);
   }
@@ -210,30 +194,25 @@ void KeyVotes::decide(const KeyInput& input, int bx0, int bx1, int by, KeyScratc
   const int x0 = block_begin(bx0), x1 = block_end(bx1 - 1, size.width), y0 = block_begin(by);
   const int rows = block_end(by, size.height) - y0;
   if (input.params.color) load_colors(input, scratch.room_light, bx0, bx1, by);
-  for (int j = 0; j < rows; ++j) {
-    const auto at = static_cast<std::size_t>(j);
-    sum_depths(scratch.state, size, near_, x0, x1, y0 + j, depths_[at].data());
-    sum_depths(scratch.state, size, around_, x0, x1, y0 + j, around_depths_[at].data());
-  }
+  for (int j = 0; j < rows; ++j)
+    sum_depths(scratch.state, size, x0, x1, y0 + j, depths_[static_cast<std::size_t>(j)].data());
   for (int bx = bx0; bx < bx1; ++bx) {
     const bool band = scratch.planes.band.row(by)[bx], near = scratch.planes.near.row(by)[bx];
     const NearColors colors = colors_around(scratch, bx, by, band ? kBandBlocks : kNearBlocks);
     Block& block = scratch.at(bx, by);
     block.near_w = colors.w;
     block.room_color = colors.room.known ? colors.room.mean : glm::vec3(-1);
-    Means means{};
-    if (input.params.color) mean_of_colors(input, colors, block_begin(bx) - x0, means);
+    Mean color_odds{};
+    if (input.params.color) mean_of_colors(input, colors, block_begin(bx) - x0, color_odds);
     for (int j = 0; j < rows; ++j) {
       const auto at = static_cast<std::size_t>(j);
       const std::uint8_t* state = scratch.state.row(y0 + j) + block_begin(bx);
       const std::uint8_t* depths = depths_[at].data() + block_begin(bx) - x0;
-      const std::uint8_t* around = around_depths_[at].data() + block_begin(bx) - x0;
       std::array<std::uint8_t, kBlockPx> out;
       for (std::size_t i = 0; i < kBlockPx; ++i) {
         const bool open = band | (state[i] == kVotedDoubt) | (near & (state[i] == kVotedUnknown));
         const bool foreground = state[i] == kVotedForeground;
-        const bool inside = foreground & is_inside(around[i]) & (means.other[at][i] < 0.5F);
-        const float odds = means.vote[at][i] + (inside ? kInsideWeight : depth_odds(depths[i]));
+        const float odds = color_odds[at][i] + depth_odds(depths[i]);
         const float voted = std::clamp(0.5F + 0.5F * odds, 0.0F, 1.0F);
         const float measured = foreground ? 1.0F : 0.0F;
         out[i] = static_cast<std::uint8_t>(255 * (open ? voted : measured) + 0.5F);

@@ -36,22 +36,17 @@ class KeyVotes {
   using Rows = std::array<std::array<float, kStride>, kRows>;
   using Votes = std::array<std::array<float, kVoteStride>, kRows>;
   using Mean = std::array<std::array<float, kBlockPx>, kBlockPx>;
-  /// Means over 3x3 pixels: colour votes, and the part of pixels that people's colours cannot
-  /// explain.
-  struct Means {
-    Mean vote, other;
-  };
 
   void load_colors(const KeyInput& input, const RoomLight& light, int bx0, int bx1, int by);
   void load_row(const KeyInput& input, const RoomLight& light, int x0, int width, int by, int j);
-  void mean_of_colors(const KeyInput& input, const NearColors& near, int i0, Means& means) const;
+  void mean_of_colors(const KeyInput& input, const NearColors& near, int i0, Mean& mean) const;
   using Taps = std::array<int, 2 * kDepthTapRadius + 1>;
-  void sum_depths(const Image<std::uint8_t>& state, Size size, const Taps& taps, int x0, int x1,
-                  int y, std::uint8_t* sums);
+  void sum_depths(const Image<std::uint8_t>& state, Size size, int x0, int x1, int y,
+                  std::uint8_t* sums);
 
-  Taps near_{}, around_{};             ///< offsets of the depth taps, pixels
+  Taps taps_{};                        ///< offsets of the depth taps, pixels
   std::vector<std::uint8_t> columns_;  ///< sums of a row's taps along columns
-  std::array<std::array<std::uint8_t, kRunPx>, kBlockPx> depths_{}, around_depths_{};
+  std::array<std::array<std::uint8_t, kRunPx>, kBlockPx> depths_{};
   // The rows start one pixel left of and above the run.
   Rows r_{}, g_{}, b_{};  ///< plate, linear light
   Rows distance_{};       ///< squared distance to the learned background, over its variance

@@ -6,6 +6,19 @@
 #include "host/render/frame/people_motion.h"
 
 namespace mixrig::render::gles {
+namespace {
+
+/// Tables::key_limit_w and Tables::hole_behind_w in one texture.
+Texture limits_texture(const Tables& tables) {
+  Image<glm::vec2> limits(tables.view_size);
+  for (int y = 0; y < limits.height(); ++y)
+    for (int x = 0; x < limits.width(); ++x)
+      limits.row(y)[x] = {tables.key_limit_w.row(y)[x], tables.hole_behind_w.row(y)[x]};
+  return make_texture(std::as_const(limits).view(), GL_RG32F);
+}
+
+}  // namespace
+
 Result<KeyPass> KeyPass::create(const Tables& tables, LearnedColor learned,
                                 const KeyPassParams& params) {
   KeyPass pass;
@@ -15,7 +28,7 @@ Result<KeyPass> KeyPass::create(const Tables& tables, LearnedColor learned,
   const Size tiles{blocks.width * (kBlockPx + 2), blocks.height * (kBlockPx + 2)};
   pass.use_color_ = params.color;
   pass.has_learned_ = learned.there;
-  if (!tables.key_limit_w.empty()) pass.limit_w_ = make_texture(tables.key_limit_w.view(), GL_R32F);
+  if (!tables.key_limit_w.empty()) pass.limit_w_ = limits_texture(tables);
   pass.state_image_ = make_texture(view, GL_R8);
   for (Texture* image : {&pass.counts_, &pass.colors_, &pass.kept_counts_, &pass.kept_colors_,
                          &pass.band_, &pass.person_, &pass.rooms_, &pass.kept_rooms_, &pass.room_,
@@ -96,7 +109,6 @@ void KeyPass::set_view(const Tables& tables) const {
   finish_.program.set("parallax_px_m", parallax_px_m(tables.warp));
   speckles_.program.set("tof_px", footprint * footprint);
   decide_.program.set("tap_px", glm::ivec2(std::lround(0.5F * footprint), std::lround(footprint)));
-  decide_.program.set("inside_px", inside_tap_px(footprint));
 }
 
 void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
