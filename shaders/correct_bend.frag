@@ -3,7 +3,7 @@
 // Pass correct, third step: distance of a pixel from the line through its neighbours, on the
 // straightest axis. Noise bends all axes, an edge of the scene not the one along itself.
 //   raw_z_m  metres, 0 unknown
-//   bend_m   metres, at most a part of the depth
+//   bend_m   metres
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/tof.glsl"
@@ -18,5 +18,5 @@ void main() {
     float before = value_at(raw_z_m, at - axes[i]), after = value_at(raw_z_m, at + axes[i]);
     if (min(z, min(before, after)) > 0.0) least = min(least, abs(before - 2.0 * z + after));
   }
-  bend_m = least < none ? min(least, largest_bend * z) : 0.0;
+  bend_m = least < none ? least : 0.0;
 }

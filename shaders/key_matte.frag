@@ -62,10 +62,13 @@ float share_of_colors(ivec2 at, vec3 p, float share) {
   if (known.r < 0.0 || around.x < share_least) return share;
   vec3 b = room_now(at, p, known), root = around.yzw / around.x, f = root * root;
   vec3 apart = f - b, off = p - b;
-  float apart2 = dot(apart, apart), by_colors = dot(off, apart) / max(apart2, 1e-6);
+  float by_colors = dot(off, apart) / max(dot(apart, apart), 1e-6);
   vec3 rest = off - by_colors * apart;
+  float shade = clamp(dot(f, b) / max(dot(b, b), 1e-8), share_shadow, 1.0);
+  vec3 unlike = f - shade * b;
   float sigma = share_noise + share_part * luminance(p), sigma2 = sigma * sigma;
-  float sure = apart2 / (apart2 + share_apart * share_apart * sigma2) * sigma2 /
+  float unlike2 = dot(unlike, unlike);
+  float sure = unlike2 / (unlike2 + share_apart * share_apart * sigma2) * sigma2 /
                (sigma2 + dot(rest, rest)) * max(4.0 * share * (1.0 - share), 0.0);
   return share + sure * (clamp(by_colors, 0.0, 1.0) - share);
 }

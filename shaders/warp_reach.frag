@@ -4,17 +4,15 @@
 //   vertices  from correct_links.frag
 //   tof_ray   (x/z, y/z) of a ToF pixel
 //   raw_z_m   metres, as measured, 0 unknown
-//   plate     in the view, linear light; if by_plate
 //   reaches   half steps left, right, up, down: 1 where linked
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/tof.glsl"
 #include "common/mesh.glsl"
 layout(binding = 2) uniform sampler2D raw_z_m;
-layout(binding = 3) uniform sampler2D plate;
 uniform vec2 focal_px, center_px;
 uniform float open_reach_now, shut_reach_now;
-uniform bool mixed_pixels, by_plate;
+uniform bool mixed_pixels;
 out vec4 reaches;
 
 // Place in the view, px from its centre.
@@ -59,47 +57,6 @@ float border_shift(float near, float far, float near_z, float far_z) {
   return 2.0 * (near_share(near_z, near, far, 1.0) + near_share(far_z, near, far, 0.0) - 1.0);
 }
 
-// Roots of the plate's linear light where the surface of w is seen along `ray`.
-vec3 root_of_plate(vec2 ray, float w) {
-  vec3 q = (camera_from_tof * vec4(ray, 1.0, w)).xyz;
-  ivec2 last = textureSize(plate, 0) - 1;
-  vec2 px = clamp(focal_px * q.xy / max(q.z, 1e-6) + center_px, vec2(0.0), vec2(last));
-  // Bilinear in full precision, which a sampler does not offer.
-  ivec2 at = ivec2(px), beyond = min(at + 1, last);
-  vec2 part = px - vec2(at);
-  vec3 upper = mix(texelFetch(plate, at, 0).rgb, texelFetch(plate, ivec2(beyond.x, at.y), 0).rgb,
-                   part.x);
-  vec3 lower = mix(texelFetch(plate, ivec2(at.x, beyond.y), 0).rgb,
-                   texelFetch(plate, beyond, 0).rgb, part.x);
-  return sqrt(mix(upper, lower, part.y));
-}
-
-// Place of the nearer sample's border by the plate's colours, half steps past it, and its
-// confidence. Each side's colour is the mean of two samples at its end; the share of the nearer
-// side in each sample follows from both, and the sum of the shares is the border's place.
-vec2 color_border(vec2 ray, vec2 half_step, float w) {
-  vec3 colors[border_samples];
-  for (int i = 0; i < border_samples; ++i)
-    colors[i] = root_of_plate(ray + (0.5 * float(i) - 1.0) * half_step, w);
-  vec3 near = 0.5 * (colors[0] + colors[1]);
-  vec3 far = 0.5 * (colors[border_samples - 2] + colors[border_samples - 1]);
-  vec3 spread = colors[0] - near, far_spread = colors[border_samples - 1] - far;
-  float sigma2 = border_spread2 + dot(spread, spread) + dot(far_spread, far_spread);
-  vec3 apart = near - far;
-  float apart2 = dot(apart, apart), over = 1.0 / max(apart2, 1e-6), sum = 0.0, off2 = 0.0;
-  for (int i = 1; i < border_samples; ++i) {
-    vec3 from_far = colors[i] - far;
-    float share = over * dot(from_far, apart);
-    vec3 rest = from_far - share * apart;
-    off2 += dot(rest, rest);
-    sum += clamp(share, 0.0, 1.0);
-  }
-  off2 /= float(border_samples - 1);
-  float line2 = sigma2 + border_bent2 * apart2;
-  float sure = apart2 / (apart2 + border_apart * border_apart * sigma2) * line2 / (line2 + off2);
-  return vec2(0.5 * sum - 0.75, sure);
-}
-
 // Half steps by which the surface of pixel `at` is extended towards its neighbour in direction d,
 // which may lie outside the picture.
 float reach(ivec2 at, ivec2 d, float w, vec2 ray, vec2 half_step) {
@@ -109,27 +66,14 @@ float reach(ivec2 at, ivec2 d, float w, vec2 ray, vec2 half_step) {
     return 1.0;
   float other_w = value_at(vertices, beside);
   float sight = other_w >= w ? 1.0 : by_sight(ray, half_step, w, other_w);
-  if (!mixed_pixels) return sight;
+  if (!mixed_pixels || other_w <= 0.0) return sight;
   // Depths by the samples behind, which saw one surface each.
   float own_z = 1.0 / (linked(at, -d) ? value_at(vertices, at - d) : w);
-  float other_z = 0.0, shift = 0.0;
-  bool near = true;
-  if (other_w > 0.0) {
-    other_z = 1.0 / (linked(beside, d) ? value_at(vertices, beside + d) : other_w);
-    float own_raw = value_at(raw_z_m, at), other_raw = value_at(raw_z_m, beside);
-    near = own_z < other_z;
-    shift = near ? border_shift(own_z, other_z, own_raw, other_raw)
-                 : -border_shift(other_z, own_z, other_raw, own_raw);
-  }
-  float far = sight + shift, near_z = near ? own_z : other_z;
-  bool is_step = other_w <= 0.0 || abs(own_z - other_z) >= share_part_of_depth * near_z;
-  if (by_plate && is_step && half_step != vec2(0)) {
-    vec2 color = near ? color_border(ray, half_step, 1.0 / near_z)
-                      : color_border(ray + 2.0 * half_step, -half_step, 1.0 / near_z);
-    float to = near ? color.x - border_back * max(0.0, 1.0 - sight) : 2.0 - color.x;
-    far += color.y * (to - far);
-  }
-  return clamp(far, 0.0, most_reach);
+  float other_z = 1.0 / (linked(beside, d) ? value_at(vertices, beside + d) : other_w);
+  float own_raw = value_at(raw_z_m, at), other_raw = value_at(raw_z_m, beside);
+  float shift = own_z < other_z ? border_shift(own_z, other_z, own_raw, other_raw)
+                                : -border_shift(other_z, own_z, other_raw, own_raw);
+  return clamp(sight + shift, 0.0, most_reach);
 }
 
 void main() {

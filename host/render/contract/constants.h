@@ -25,8 +25,6 @@ inline constexpr float kSteepest = 0.1F;
 /// pixels of a surface this steep (tangent; seen at 3.4 degrees). The scene's own steps bend too,
 /// and must not link a dark wall to what stands before it.
 inline constexpr float kSteepestSlope = 17.0F;
-/// Bends are clamped to this part: a larger one is a step of the scene, not noise.
-inline constexpr float kLargestBend = 0.04F;
 /// Three depths in line count as one plane if they are off it by up to this part of the step
 /// threshold: less breaks noisy walls, more bridges real steps.
 inline constexpr float kPlanePart = 0.7F;
@@ -71,19 +69,6 @@ inline constexpr float kShareSlack = 0.1F;
 inline constexpr float kSharePartOfDepth = 0.025F;
 /// Most extension of a surface past its last sample, in halves of a ToF pixel.
 inline constexpr float kMostReach = 3.0F;
-/// Samples of the plate's colour along a link to find a border, a quarter of a ToF pixel apart.
-inline constexpr int kBorderSamples = 10;
-/// Variance of square roots of linear light by noise and blur. The border by colours counts by half
-/// where both colours are kBorderApart standard deviations apart.
-inline constexpr float kBorderSpread2 = 2e-4F;
-inline constexpr float kBorderApart = 4.0F;
-/// Variance of samples about the line between both colours, as a part of their squared distance:
-/// linear light mixes along a line, its roots up to 0.13 of the distance off it (red before cyan).
-inline constexpr float kBorderBent2 = 0.02F;
-/// Where a gap opens in the view, the border by colours is moved in by this times (1 - extension by
-/// sight), in halves of a ToF pixel: a border too far out gives wrong depth, one too near unknown
-/// depth.
-inline constexpr float kBorderBack = 0.6F;
 /// Most indices of a cell: four quarters of two triangles each.
 inline constexpr int kCellIndices = 24;
 
@@ -202,6 +187,9 @@ inline constexpr float kShareNoise = 0.01F;
 inline constexpr float kSharePart = 0.1F;
 /// The share by colours counts by half where the colours are this many standard deviations apart.
 inline constexpr float kShareApart = 4.0F;
+/// Darkest shadow of the background, as a factor of its light, that the share allows for: people's
+/// colour is compared with the most alike of these shades.
+inline constexpr float kShareShadow = 0.4F;
 /// Least part of a window that people must fill for a share by colours.
 inline constexpr float kShareLeast = 0.02F;
 

@@ -96,8 +96,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
       background_(setup_.background),
       meter_(tables_, background_),
       grid_(tables_.tof_size),
-      warp_scratch_(tables_.tof_size,
-                    setup_.lens_moves || color_places_borders(tables_.tof_footprint_px)),
+      warp_scratch_(tables_.tof_size),
       people_key_(setup_, tables_, crew_.threads()),
       plate_scratch_(tables_, crew_.threads()),
       plate_(tables_.view_size),
@@ -206,8 +205,7 @@ void CpuCompositor::draw_depth(const FrameInput& input, StopWatch& watch) {
   else
     correct(crew_, tables_.correct, tables_.tof_ray, input.tof_depth_m, grid_);
   watch.lap(Stage::kCorrect);
-  warp(crew_, tables_, grid_, warp_scratch_, view_w_, Before::kNothing,
-       color_places_borders(tables_.tof_footprint_px) ? &plate_ : nullptr);
+  warp(crew_, tables_, grid_, warp_scratch_, view_w_);
   if (two) second_depth_->add_to(crew_, view_w_);
   watch.lap(Stage::kWarp);
 }

@@ -107,9 +107,7 @@ void GlesCompositor::draw_depth(bool two, StageTimer& timer) {
       correct.draw();
   }
   const StageScope stage(timer, Stage::kWarp);
-  const bool colors = color_places_borders(tables_.tof_footprint_px);
-  passes_.warp.draw(correct.vertices(), correct.tof_ray(), correct.raw_z_m(),
-                    colors ? &passes_.plate.in_view() : nullptr);
+  passes_.warp.draw(correct.vertices(), correct.tof_ray(), correct.raw_z_m());
   if (two) passes_.second_depth->add_to(passes_.warp);
   passes_.warp.finish();
 }

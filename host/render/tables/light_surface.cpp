@@ -18,9 +18,8 @@ constexpr double kOutlier = 4;  // sigmas: limit of a single depth among others 
 constexpr double kNormalAngle_rad = 0.1;
 constexpr int kMostScale = 8;
 /// An object stands on a plane if it is off the plane by less than kMostSunk of the depth and its
-/// up direction within 15 degrees of the normal. A plane off by less than kLeastSunk is not moved;
-/// multipath light bends depths by up to kBentPart.
-constexpr double kMostSunk = 0.05, kLeastSunk = 0.003, kBentPart = 0.012, kLeastUpright = 0.966;
+/// up direction within 15 degrees of the normal. Multipath light bends depths by up to kBentPart.
+constexpr double kMostSunk = 0.05, kBentPart = 0.012, kLeastUpright = 0.966;
 /// Metres above the foot at which the plane is put: the floor seen beside an object must not lie
 /// below it.
 constexpr double kOverFootM = 0.005;
@@ -128,7 +127,6 @@ void stand_on_plane(const ObjectFoot& foot, ImageView<const float> depth_m,
       if (std::abs(there * static_cast<double>(depth_m.row(v)[u]) - 1) < kBentPart)
         plane_of.row(v)[u] = number;
     }
-  if (least <= kLeastSunk) return;
   const double off = over(*nearest);
   for (WPlane& plane : planes)
     if (lies_across(plane) && std::abs(over(plane) - off) < kBentPart)

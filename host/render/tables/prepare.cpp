@@ -57,7 +57,8 @@ Image<float> largest_within(const Image<float>& image, int radius) {
 }
 
 /// Sets the limits of holes, where no depth was learned, by the nearest limits to the left and
-/// right, above and below: the largest of the four, negated, and kBehindHole of the second largest.
+/// right, above and below: the largest of the four, negated, and kBehindHole of the second largest,
+/// or of a single one.
 void fill_holes(KeyLimit& limit) {
   const Size size = limit.w.size();
   Image<glm::vec2> largest(size);  // and the second largest
@@ -85,7 +86,7 @@ void fill_holes(KeyLimit& limit) {
       const glm::vec2 around = largest.row(y)[x];
       if (value < kNoLimitW || !(around.x > 0)) continue;
       value = -around.x;
-      limit.behind_w.row(y)[x] = kBehindHole * around.y;
+      limit.behind_w.row(y)[x] = kBehindHole * (around.y > 0 ? around.y : around.x);
     }
 }
 

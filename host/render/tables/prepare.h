@@ -285,9 +285,6 @@ inline int matte_tile_px(float tof_footprint_px) {
   const float side = kMatteTileFootprints * tof_footprint_px;
   return side >= 4 ? 4 : side >= 2 ? 2 : 1;
 }
-/// Whether the plate's colours place the borders of the warp: true if it resolves finer than the
-/// depth.
-inline bool color_places_borders(float tof_footprint_px) { return tof_footprint_px > 1; }
 /// Radius, view pixels, within which the nearest background limits the key: one ToF footprint.
 inline int limit_radius_px(float tof_footprint_px) {
   return static_cast<int>(std::ceil(tof_footprint_px));

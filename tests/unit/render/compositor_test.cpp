@@ -125,50 +125,6 @@ TEST(Compositor, a_pixel_half_a_person_before_an_object_shows_no_wall) {
   EXPECT_GT(half, 0);
 }
 
-/// A view and a ToF camera at one place.
-struct BorderRig {
-  BorderRig(int view_px_in, int tof_px_in)
-      : view_px(view_px_in),
-        tof_px(tof_px_in),
-        compositor(make_compositor(
-            plain_setup({view_px, view_px}, view_px, {tof_px, tof_px}, tof_px), 1)) {}
-  /// First column past a box before a wall, which the ToF camera sees in columns before `end`, by a
-  /// plate that changes at column `change`.
-  int border(int end, int change, Rgb8 box = {200, 200, 200}, Rgb8 wall = {60, 60, 60}) {
-    const auto depth =
-        make_image<float>({tof_px, tof_px}, [&](int x, int) { return x < end ? 2.0F : 4.0F; });
-    const auto plate =
-        make_image<Rgb8>({view_px, view_px}, [&](int x, int) { return x < change ? box : wall; });
-    render::FrameOutput out;
-    out.wanted = render::kWarpedDepth;
-    EXPECT_TRUE(compositor->compose({plate, depth, {}}, out));
-    int x = view_px - 1;
-    const float* row = out.warped_depth_m.row(view_px / 2);
-    while (x > 0 && !(row[x] > 0 && row[x] < 3)) --x;
-    return x + 1;
-  }
-  int view_px, tof_px;
-  std::unique_ptr<render::Compositor> compositor;
-};
-
-TEST(Compositor, colours_place_borders_where_the_plate_is_finer_than_the_depth) {
-  BorderRig fine(64, 16), alike(25, 30);  // there a pixel of the view is 1.2 of the ToF camera's
-  EXPECT_EQ(fine.border(8, 34), 34);
-  EXPECT_EQ(fine.border(8, 31), 31);
-  for (int end = 8; end < 24; ++end) {
-    const int change = end * 5 / 6;
-    EXPECT_EQ(alike.border(end, change), alike.border(end, change + 1)) << end;
-  }
-}
-
-TEST(Compositor, colours_of_opposite_channels_place_borders_too) {
-  // Where they meet, light is mixed: its roots lie off the line between the colours' roots.
-  const Rgb8 red{220, 40, 40}, cyan{40, 220, 220};
-  BorderRig rig(64, 16);
-  EXPECT_EQ(rig.border(8, 34, red, cyan), 34);
-  EXPECT_EQ(rig.border(8, 30, cyan, red), 30);
-}
-
 TEST(Compositor, object_behind_the_wall_is_not_seen_and_one_that_touches_it_is) {
   EXPECT_EQ(Stage(4.5F).compose().color.at(32, 32), kWallColor);
   EXPECT_EQ(Stage(4.01F).compose().color.at(32, 32), kObjectColor);

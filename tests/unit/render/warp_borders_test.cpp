@@ -41,35 +41,23 @@ struct BoxRig {
 };
 constexpr double kStepPx = kBoxViewFocal / kBoxTofFocal;
 
-/// A plate of the box and the wall, each of one colour.
-Image<render::cpu::Rgbx16> plate_of(const BoxRig& rig, Rgbf box, Rgbf wall) {
-  Image<render::cpu::Rgbx16> plate(kBoxView);
-  for (int y = 0; y < kBoxView.height; ++y)
-    for (int x = 0; x < kBoxView.width; ++x) {
-      const double off = std::max(std::abs(x - rig.u_px()), std::abs(y - rig.v_px()));
-      plate.at(x, y) = linear16(off < rig.half_px * kStepPx ? box : wall);
-    }
-  return plate;
-}
-
 /// ToF pixels by which the warped box reaches past its true borders.
 struct BoxBorders {
   double left = 0, right = 0, top = 0, bottom = 0;
 };
 
-BoxBorders borders_of(const BoxRig& rig, bool mixes,
-                      const Image<render::cpu::Rgbx16>* plate = nullptr) {
+BoxBorders borders_of(const BoxRig& rig, bool mixes) {
   render::CompositorSetup setup = plain_setup(kBoxView, kBoxViewFocal, kBoxTof, kBoxTofFocal);
   setup.target_from_tof.translation_m = {rig.x_m, rig.y_m, 0};
   const render::Tables tables = render::make_tables(setup);
   Crew crew(1);
   render::cpu::TofGrid grid(kBoxTof);
-  render::cpu::WarpScratch scratch(kBoxTof, plate != nullptr);
+  render::cpu::WarpScratch scratch(kBoxTof);
   Image<float> w(
       {kBoxView.width + render::cpu::kViewMargin, kBoxView.height + render::cpu::kViewMargin});
   render::cpu::correct(crew, tables.correct, tables.tof_ray, box_before_wall(rig.half_px, mixes),
                        grid);
-  render::cpu::warp(crew, tables, grid, scratch, w, render::cpu::Before::kNothing, plate);
+  render::cpu::warp(crew, tables, grid, scratch, w);
   const auto near = [&](int x, int y) { return w.at(x, y) > 0.4F; };
   const int u = static_cast<int>(rig.u_px()), v = static_cast<int>(rig.v_px());
   int x0 = u, x1 = u, y0 = v, y1 = v;
@@ -122,39 +110,6 @@ TEST_P(WarpBorders, sides_are_alike_wherever_the_tof_camera_stands) {
   for (const double past : {right.top, right.bottom, left.top, left.bottom, below.left, below.right,
                             above.left, above.right})
     EXPECT_NEAR(past, 0, kNearPx);
-}
-
-constexpr double kByPlatePx = 0.125 + 0.5 / kStepPx;
-constexpr Rgbf kBoxColor{0.30F, 0.10F, 0.05F}, kBoxWallColor{0.35F, 0.40F, 0.45F};
-
-TEST_P(WarpBorders, lie_where_the_plate_changes) {
-  for (int k = 0; k < 8; ++k) {
-    const BoxRig rig{0, 0, 6 + (k + 0.5) / 8};
-    const auto plate = plate_of(rig, kBoxColor, kBoxWallColor);
-    const BoxBorders b = borders_of(rig, GetParam(), &plate);
-    // Half of a sample of the plate, a quarter of a ToF pixel, and half a pixel of the view.
-    for (const double past : {b.left, b.right, b.top, b.bottom})
-      EXPECT_NEAR(past, 0, kByPlatePx) << rig.half_px;
-  }
-}
-
-TEST_P(WarpBorders, stay_where_they_are_in_a_plate_of_one_colour) {
-  const BoxRig rig{0.05, 0.02, 6.3};
-  const auto plate = plate_of(rig, kBoxWallColor, kBoxWallColor);
-  const BoxBorders with = borders_of(rig, GetParam(), &plate),
-                   without = borders_of(rig, GetParam());
-  EXPECT_EQ(with.left, without.left);
-  EXPECT_EQ(with.right, without.right);
-  EXPECT_EQ(with.top, without.top);
-  EXPECT_EQ(with.bottom, without.bottom);
-}
-
-TEST_P(WarpBorders, reach_less_by_colours_over_what_the_tof_camera_does_not_see) {
-  const BoxRig rig{0.1, 0, 6.5};
-  const auto plate = plate_of(rig, kBoxColor, kBoxWallColor);
-  const BoxBorders b = borders_of(rig, GetParam(), &plate);
-  EXPECT_NEAR(b.right, 0, kByPlatePx);
-  EXPECT_NEAR(b.left, -0.5 * render::kBorderBack * (1 - render::kOpenReach), kByPlatePx);
 }
 
 }  // namespace

@@ -148,12 +148,15 @@ FloatLanes share_of_colors(const KeyInput& input, const RoomLight& light, const 
   const ColorLanes root{line[5] * over, line[6] * over, line[7] * over};
   const ColorLanes f{root.r * root.r, root.g * root.g, root.b * root.b};
   const ColorLanes apart{f.r - b.r, f.g - b.g, f.b - b.b}, off{p.r - b.r, p.g - b.g, p.b - b.b};
-  const FloatLanes apart2 = dot(apart, apart),
-                   by_colors = dot(off, apart) / max(apart2, kNone + 1e-6F);
+  const FloatLanes by_colors = dot(off, apart) / max(dot(apart, apart), kNone + 1e-6F);
   const ColorLanes rest{off.r - by_colors * apart.r, off.g - by_colors * apart.g,
                         off.b - by_colors * apart.b};
+  const FloatLanes shade =
+      min(max(dot(f, b) / max(dot(b, b), kNone + 1e-8F), kNone + kShareShadow), kAll);
+  const ColorLanes unlike{f.r - shade * b.r, f.g - shade * b.g, f.b - shade * b.b};
   const FloatLanes sigma = kShareNoise + kSharePart * luminance(p), sigma2 = sigma * sigma;
-  FloatLanes sure = apart2 / (apart2 + kShareApart * kShareApart * sigma2);
+  const FloatLanes unlike2 = dot(unlike, unlike);
+  FloatLanes sure = unlike2 / (unlike2 + kShareApart * kShareApart * sigma2);
   sure *= sigma2 / (sigma2 + dot(rest, rest)) * max(4 * share * (1 - share), kNone);
   sure = (learned.r < 0) | (line[4] < kShareLeast) ? kNone : sure;
   return share + sure * (min(max(by_colors, kNone), kAll) - share);

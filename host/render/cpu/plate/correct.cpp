@@ -40,8 +40,7 @@ void bend_row(const float* z_m, Stride stride, int width, float* bend_m) {
       least = (known & (bend < least)) ? bend : least;
       any |= known;
     }
-    const float largest = kLargestBend * p[0];
-    bend_m[x] = any ? (least < largest ? least : largest) : 0;
+    bend_m[x] = any ? least : 0;
   }
 }
 

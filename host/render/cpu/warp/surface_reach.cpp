@@ -34,6 +34,12 @@ float border_shift(float near_m, float far_m, float near_z_m, float far_z_m) {
   return 2 * (near_share(near_z_m, near_m, far_m, 1) + near_share(far_z_m, near_m, far_m, 0) - 1);
 }
 
+/// Whether two neighbours along x or y are linked.
+bool linked(const TofGrid& grid, int x, int y, int dx, int dy) {
+  const int from_x = dx < 0 ? x - 1 : x, from_y = dy < 0 ? y - 1 : y;
+  return grid.links.row(from_y + kFrame)[from_x + kFrame] & (dx != 0 ? kRight : kDown);
+}
+
 }  // namespace
 
 /// Extension towards a farther neighbour, by whether the view sees a gap or an overlap at the
@@ -55,20 +61,14 @@ float SurfaceReach::towards(int x, int y, int dx, int dy) const {
   const float* w = grid_.w.row(y + kFrame) + x + kFrame;
   const float other_w = w[step];
   const float sight = other_w >= *w ? 1 : by_sight(x, y, dx, dy, *w, other_w);
-  if (!params_.mixed_pixels) return sight;
-  const DepthsAtBorder z = depths_at_border(grid_, x, y, dx, dy);
+  if (!params_.mixed_pixels || !(other_w > 0)) return sight;
+  // Depths by the samples behind, which saw one surface each.
+  const float own_m = 1 / (linked(grid_, x, y, -dx, -dy) ? w[-step] : *w);
+  const float other_m = 1 / (linked(grid_, x + dx, y + dy, dx, dy) ? w[2 * step] : other_w);
   const float* raw_m = grid_.raw_z_m.row(y + kFrame) + x + kFrame;
-  const bool near = z.own_m < z.other_m || !(other_w > 0);
-  float reach = sight;
-  if (other_w > 0)
-    reach += near ? border_shift(z.own_m, z.other_m, raw_m[0], raw_m[step])
-                  : -border_shift(z.other_m, z.own_m, raw_m[step], raw_m[0]);
-  if (colors_) {
-    const ColorBorder& color = colors_->of(x, y, dx, dy);
-    const float at = near ? color.at - kBorderBack * std::max(0.0F, 1 - sight) : 2 - color.at;
-    reach += color.sure * (at - reach);
-  }
-  return std::clamp(reach, 0.0F, kMostReach);
+  const float shift = own_m < other_m ? border_shift(own_m, other_m, raw_m[0], raw_m[step])
+                                      : -border_shift(other_m, own_m, raw_m[step], raw_m[0]);
+  return std::clamp(sight + shift, 0.0F, kMostReach);
 }
 
 }  // namespace mixrig::render::cpu

@@ -3,17 +3,14 @@
 #pragma once
 
 #include "host/render/cpu/plate/correct.h"
-#include "host/render/cpu/warp/color_border.h"
 #include "host/render/tables/prepare.h"
 
 namespace mixrig::render::cpu {
 
 class SurfaceReach {
  public:
-  /// `colors` may be null: the plate is not used.
-  SurfaceReach(const WarpParams& params, const Image<glm::vec2>& tof_ray, const TofGrid& grid,
-               const ColorBorders* colors)
-      : params_(params), tof_ray_(tof_ray), grid_(grid), colors_(colors) {}
+  SurfaceReach(const WarpParams& params, const Image<glm::vec2>& tof_ray, const TofGrid& grid)
+      : params_(params), tof_ray_(tof_ray), grid_(grid) {}
 
   /// Extension from the known sample (x, y) towards its neighbour (x + dx, y + dy) inside the
   /// picture, along x or y. In halves of a ToF pixel; 1 if both are of one surface.
@@ -25,7 +22,6 @@ class SurfaceReach {
   const WarpParams& params_;
   const Image<glm::vec2>& tof_ray_;
   const TofGrid& grid_;
-  const ColorBorders* colors_;
 };
 
 }  // namespace mixrig::render::cpu

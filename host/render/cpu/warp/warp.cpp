@@ -44,7 +44,6 @@ struct Mesh {
   const Image<glm::vec2>& tof_ray;
   const TofGrid& grid;
   const WarpScratch& vertices;
-  const ColorBorders* colors;
 
   Vertex vertex(int x, int y) const {
     return {vertices.u_px.row(y)[x], vertices.v_px.row(y)[x], vertices.w.row(y)[x]};
@@ -98,10 +97,7 @@ float gradient(const float* w, const std::uint8_t* links, std::ptrdiff_t d_w,
 class CutCells {
  public:
   CutCells(const Mesh& mesh, const Band& band, Image<float>& view_w)
-      : mesh_(mesh),
-        reach_(mesh.params, mesh.tof_ray, mesh.grid, mesh.colors),
-        band_(band),
-        view_w_(view_w) {}
+      : mesh_(mesh), reach_(mesh.params, mesh.tof_ray, mesh.grid), band_(band), view_w_(view_w) {}
 
   void add(int x, int y) {
     add_quarter(x, y, 1, 1);
@@ -208,8 +204,7 @@ void draw_band(const Mesh& mesh, const Band& band, float reach_px, Image<float>&
 
 }  // namespace
 
-WarpScratch::WarpScratch(Size tof_size, bool by_plate)
-    : size(tof_size), colors(by_plate ? tof_size : Size{}) {
+WarpScratch::WarpScratch(Size tof_size) : size(tof_size) {
   // Runs are read in whole registers, past the last vertex of a row.
   const Size padded{tof_size.width + kLanes, tof_size.height};
   u_px.reset(padded);
@@ -220,7 +215,7 @@ WarpScratch::WarpScratch(Size tof_size, bool by_plate)
 }
 
 void warp(Crew& crew, const Tables& tables, const TofGrid& grid, WarpScratch& scratch,
-          Image<float>& view_w, Before before, const Image<Rgbx16>* plate) {
+          Image<float>& view_w, Before before) {
   constexpr int kGrain = 32;
   const WarpParams& params = tables.warp;
   const Image<glm::vec2>& tof_ray = tables.tof_ray;
@@ -233,8 +228,7 @@ void warp(Crew& crew, const Tables& tables, const TofGrid& grid, WarpScratch& sc
   crew.rows(height - 1, kGrain, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) span_row(y, scratch);
   });
-  if (plate) find_color_borders(crew, params, tof_ray, grid, *plate, scratch.colors);
-  const Mesh mesh{params, tof_ray, grid, scratch, plate ? &scratch.colors : nullptr};
+  const Mesh mesh{params, tof_ray, grid, scratch};
   const int band_rows = std::max(16, (view_size.height / 16 + 3) / 4 * 4);
   crew.rows(view_size.height, band_rows, [&](int begin, int end) {
     const int last_y = end == view_size.height ? end : end - 4;

@@ -7,7 +7,6 @@
 
 #include "hal/base/parallel.h"
 #include "host/render/cpu/plate/correct.h"
-#include "host/render/cpu/warp/color_border.h"
 #include "host/render/cpu/warp/draw_quads.h"
 #include "host/render/tables/prepare.h"
 
@@ -19,15 +18,13 @@ inline bool from_cut_cell(float w) { return std::bit_cast<std::uint32_t>(w) & 1U
 
 /// Vertices of the mesh in the view, and the rows that bands need to find their cells.
 struct WarpScratch {
-  /// `by_plate`: warp() will be given a plate.
-  explicit WarpScratch(Size tof_size, bool by_plate = false);
+  explicit WarpScratch(Size tof_size);
   struct RowSpan {  ///< view rows that a run of cells may touch
     float v_min, v_max;
   };
   Size size;                   ///< of the ToF picture
   Image<float> u_px, v_px, w;  ///< of each ToF pixel in the view; w 0: unknown; rows are padded
   std::vector<RowSpan> spans;  ///< [cell row][run of kRunCells]
-  ColorBorders colors;         ///< empty without a plate
   int runs = 0;                ///< runs a cell row
 };
 inline constexpr int kRunCells = QuadBatch::kCapacity;
@@ -37,10 +34,7 @@ enum class Before { kNothing, kSurfaces };
 
 /// Fills the view with the inverse depth of the nearest surface, 0 unknown; with Before::kSurfaces
 /// it keeps nearer surfaces of other grids. `view_w` is kViewMargin wider and higher than the view.
-/// `plate` lies in the view; borders follow its colours if `scratch` was made for that. Null: no
-/// plate.
 void warp(Crew& crew, const Tables& tables, const TofGrid& grid, WarpScratch& scratch,
-          Image<float>& view_w, Before before = Before::kNothing,
-          const Image<Rgbx16>* plate = nullptr);
+          Image<float>& view_w, Before before = Before::kNothing);
 
 }  // namespace mixrig::render::cpu

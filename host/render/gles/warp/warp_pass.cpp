@@ -91,10 +91,9 @@ void WarpPass::finish() const {
 }
 
 void WarpPass::add(const Texture& vertices, const Texture& tof_ray, const Texture& raw_z_m,
-                   const Target& target, const Texture* plate) const {
+                   const Target& target) const {
   find_triangles(vertices);
-  reach_.program.set("by_plate", plate != nullptr);
-  run(reach_, {&vertices, &tof_ray, &raw_z_m, plate});
+  run(reach_, {&vertices, &tof_ray, &raw_z_m});
   bind(target);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);

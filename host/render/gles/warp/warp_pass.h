@@ -15,19 +15,17 @@ class WarpPass {
   void set_pose(const glm::mat4& camera_from_tof);
   /// Sets view and pose from `tables` for later draws.
   void set_view(const Tables& tables);
-  /// Draws a grid. `vertices`, `tof_ray`, `raw_z_m`: from CorrectPass. `plate`: in the view, linear
-  /// light when sampled; null if not available.
-  void draw(const Texture& vertices, const Texture& tof_ray, const Texture& raw_z_m,
-            const Texture* plate = nullptr) const {
+  /// Draws a grid. `vertices`, `tof_ray`, `raw_z_m`: from CorrectPass.
+  void draw(const Texture& vertices, const Texture& tof_ray, const Texture& raw_z_m) const {
     clear();
-    add(vertices, tof_ray, raw_z_m, target_, plate);
+    add(vertices, tof_ray, raw_z_m, target_);
   }
   void clear() const;
   /// Drops the depth of the target. Called after the last draw or add() of a frame.
   void finish() const;
   /// Draws into `target` without clearing it; nearer surfaces win.
   void add(const Texture& vertices, const Texture& tof_ray, const Texture& raw_z_m,
-           const Target& target, const Texture* plate = nullptr) const;
+           const Target& target) const;
   /// Inverse depth, GL_R32F, 1/m: 0 unknown, negative where a cut cell was drawn.
   const Texture& w() const { return w_; }
   const Target& target() const { return target_; }
