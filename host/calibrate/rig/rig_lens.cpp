@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -18,7 +19,7 @@ constexpr double kMostResidual = 0.004;  // of the picture's width: no lens expl
 constexpr double kOutlierSigmas = 5, kBadView = 8, kFloor_px = 0.005;
 constexpr std::size_t kLeastCorners = 8;
 constexpr int kRounds = 4;
-constexpr double kSignificant = 9;  // mean squares that a lens term must save: three sigma
+constexpr double kAsGood = 1.005;  // held-out error of a simpler lens, as a multiple of the least
 
 double miss_of(const RigCamera& camera, double square_m, const std::vector<SeenCorner>& corners,
                const geometry::Pose& pose) {
@@ -140,7 +141,7 @@ SeenCorners only(const SeenCorners& corners, std::size_t camera) {
 
 /// Numbers of parameters that are tried, the richest lens first; k4 to k6 of a pinhole stay zero.
 std::vector<int> lens_counts(geometry::LensKind kind) {
-  return kind == geometry::LensKind::kPinhole ? std::vector{9, 8} : std::vector{8, 6};
+  return kind == geometry::LensKind::kPinhole ? std::vector{9, 8, 6, 4} : std::vector{8, 6};
 }
 
 /// True where the lens is implausible in parts of the image that no view covers.
@@ -156,6 +157,58 @@ SolveReport solve_free(const RigData& data, std::size_t camera, const std::vecto
   const SeenCorners corners = only(data.corners, camera);
   return solve_views(model, layout_of(model, {}), corner_terms(data.print, corners, {sigma_px}),
                      views, {40, 1e-3, {}}, crew);
+}
+
+/// Error on views that are left out of the fit, five folds; infinity where a fold is not solved.
+double held_out_px(const RigData& data, std::size_t camera, const std::vector<int>& views,
+                   const RigModel& solved, Crew& crew) {
+  constexpr std::size_t kFolds = 5;
+  std::vector<double> away;
+  const int count = static_cast<int>(solved.cameras[0].free.size());
+  for (std::size_t fold = 0; fold < kFolds; ++fold) {
+    std::vector<int> fitted, held;
+    for (std::size_t i = 0; i < views.size(); ++i)
+      (i % kFolds == fold ? held : fitted).push_back(views[i]);
+    RigModel fit = solved;
+    if (!solve_free(data, camera, fitted, count, 0.1, fit, crew).solved)
+      return std::numeric_limits<double>::infinity();
+    fit.cameras[0].free.clear();
+    for (const int view : held)
+      solve_views(fit, layout_of(fit, {}),
+                  corner_terms(data.print, only(data.corners, camera), {0.1}), {view},
+                  {20, 1e-3, {}}, crew);
+    for (const double d : distances(data, fit, camera, held)) away.push_back(d);
+  }
+  return std::sqrt(mean_square(away));
+}
+
+/// Takes the lens with the least error on views left out; of those that are as good, the simplest.
+/// A lens that folds inside the picture is not taken unless all do. `model` is the richest, solved.
+SolveReport choose_lens(const RigData& data, std::size_t camera, const std::vector<int>& views,
+                        const SolveReport& richest, RigModel& model, Crew& crew) {
+  struct Candidate {
+    RigModel model;
+    SolveReport report;
+    double held_px = 0;
+  };
+  std::vector<Candidate> found;
+  double least = std::numeric_limits<double>::infinity();
+  for (const int count : lens_counts(model.cameras[0].lens)) {
+    Candidate tried{model, richest, 0};
+    Eigen::VectorXd& parameters = tried.model.cameras[0].parameters;
+    if (count < static_cast<int>(model.cameras[0].free.size())) {
+      parameters.tail(parameters.size() - count).setZero();
+      tried.report = solve_free(data, camera, views, count, 0.1, tried.model, crew);
+    }
+    if (!tried.report.solved || folds(tried.model.cameras[0], circle_of(data, camera))) continue;
+    tried.held_px = held_out_px(data, camera, views, tried.model, crew);
+    least = std::min(least, tried.held_px);
+    found.push_back(std::move(tried));
+  }
+  SolveReport report = richest;
+  for (const Candidate& c : found)
+    if (c.held_px <= kAsGood * least) model = c.model, report = c.report;
+  return report;
 }
 
 }  // namespace
@@ -196,23 +249,15 @@ Result<RigModel> solve_lens(RigData& data, std::size_t camera, Crew& crew) {
   const std::size_t found = views.size();
   scan_focals(data, camera, views, model);
   // First the focal length and the poses, then the lens.
-  const std::vector<int> counts = lens_counts(data.set.cameras[camera].lens);
+  const int most = lens_counts(data.set.cameras[camera].lens).front();
   SolveReport report;
-  for (const int count : {4, 6, counts[0]})
-    report = solve_free(data, camera, views, count, count < counts[0] ? 1.0 : 0.1, model, crew);
+  for (const int count : {4, 6, most})
+    report = solve_free(data, camera, views, count, count < most ? 1.0 : 0.1, model, crew);
   for (int round = 0; round < kRounds && drop_misfound(data, model, camera, views); ++round) {
     views = seen_by(data, camera);
-    report = solve_free(data, camera, views, counts[0], 0.1, model, crew);
+    report = solve_free(data, camera, views, most, 0.1, model, crew);
   }
-  for (std::size_t i = 1; i < counts.size(); ++i) {
-    RigModel simpler = model;
-    simpler.cameras[0].parameters.tail(simpler.cameras[0].parameters.size() - counts[i]).setZero();
-    const SolveReport tried = solve_free(data, camera, views, counts[i], 0.1, simpler, crew);
-    const double saved = (tried.cost - report.cost) * static_cast<double>(report.rows);
-    if (folds(model.cameras[0], circle_of(data, camera)) ||
-        saved < kSignificant * (counts[0] - counts[i]) * report.cost)
-      model = simpler, report = tried;
-  }
+  report = choose_lens(data, camera, views, report, model, crew);
   const double rms = std::sqrt(mean_square(distances(data, model, camera, views)));
   const double allowed = std::max(0.7, kMostResidual * model.cameras[0].size_px.width);
   const bool sane = model.cameras[0].parameters.allFinite() && model.cameras[0].parameters[0] > 0;

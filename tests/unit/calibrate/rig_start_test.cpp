@@ -14,9 +14,10 @@ constexpr double kDeg = M_PI / 180;
 constexpr int kViews = 12, kColumns = 9, kRows = 6;
 constexpr double kSquare_m = 0.07;
 
-/// Two cameras without distortion, the second 65 mm below the first and turned by a degree.
+/// Two cameras, without distortion unless `k1` says so, the second 65 mm below the first and turned
+/// by a degree.
 struct Truth {
-  double f_px[2] = {620, 210};
+  double f_px[2] = {620, 210}, k1 = 0;
   Size size_px[2] = {{640, 512}, {176, 144}};
   geometry::Pose second_from_first{
       Eigen::Quaterniond(Eigen::AngleAxisd(1 * kDeg, Eigen::Vector3d(0.3, 1, 0.1).normalized())),
@@ -54,7 +55,8 @@ RigData data_of(const Truth& truth, double tilt_deg = 25) {
           Eigen::Vector3d p =
               held(view, tilt_deg) * Eigen::Vector3d(kSquare_m * column, kSquare_m * row, 0);
           if (c == 1) p = truth.second_from_first * p;
-          const double f = truth.f_px[c];
+          const double slope = std::hypot(p.x(), p.y()) / p.z();
+          const double f = truth.f_px[c] * (1 + truth.k1 * slope * slope);
           data.corners.back()[c].push_back(
               {{column, row},
                {f * p.x() / p.z() + 0.5 * (truth.size_px[c].width - 1) + noise(random),
@@ -91,6 +93,24 @@ TEST(RigStart, finds_lenses_and_mounting) {
   ASSERT_TRUE(model) << model.error().context;
   expect_true(*model, truth);
   for (const Misfound& wrong : data.misfound) EXPECT_EQ(wrong.corners, 0);
+}
+
+TEST(RigStart, a_lens_has_the_terms_that_help_on_views_left_out) {
+  for (const double k1 : {0.0, -0.2}) {
+    Truth truth;
+    truth.k1 = k1;
+    RigData data = data_of(truth);
+    Crew crew(1);
+    const auto model = start_rig(data, crew);
+    ASSERT_TRUE(model) << model.error().context;
+    for (const RigCamera& camera : model->cameras) {
+      EXPECT_TRUE(
+          geometry::validate(geometry::make_camera(camera.lens, camera.size_px, camera.parameters)))
+          << camera.name;
+      EXPECT_NEAR(camera.parameters[4], k1, 0.01) << camera.name;
+      EXPECT_EQ(camera.free.size(), k1 == 0 ? 4U : 6U) << camera.name;
+    }
+  }
 }
 
 TEST(RigStart, leaves_out_views_and_corners_that_the_finder_got_wrong) {
