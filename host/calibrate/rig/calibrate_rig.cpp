@@ -365,7 +365,14 @@ Result<RigReport> calibrate_rig(const ViewSet& set, const RigOptions& options,
   if (!split.held.empty())
     report.held_out = judge_held_out(data, judged, judged_pixels, split.held, crew);
   const RigSwitches switches{options.pixels, bend, report.model.depth.knots_m.size() > 1};
-  fill_calibration(data, solved, layout_of(report.model, switches), views, report);
+  const RigLayout layout = layout_of(report.model, switches);
+  fill_calibration(data, solved, layout, views, report);
+  for (std::size_t c = 0; c < model.cameras.size(); ++c) {
+    report.alone.push_back(seen_alone(data, report.model, c, views));
+    if (c > 0)
+      report.registrations.push_back(
+          registration_of(report.model, layout, solved.covariance, c, views));
+  }
   if (has_depth(data)) MIXRIG_TRY(fit_depth(data, views, report));
   MIXRIG_TRY(check_result(data, report));
   return report;

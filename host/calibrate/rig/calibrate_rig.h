@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/calibrate/rig/depth_fit.h"
+#include "host/calibrate/rig/rig_certainty.h"
 #include "host/calibrate/rig/rig_start.h"
 #include "host/capture/calibration_file/calibration.h"
 
@@ -44,6 +45,8 @@ struct RigReport {
   /// Grey residual of each camera, as a share of the contrast from ink to paper.
   std::vector<double> grey_rms;
   std::optional<DepthFit> depth;
+  std::vector<Intrinsics> alone;            ///< each camera by its corners alone: seen_alone()
+  std::vector<Registration> registrations;  ///< of the cameras after the first
   std::vector<std::string> warnings;
   calibration_file::Calibration calibration;
 };

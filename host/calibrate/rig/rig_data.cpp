@@ -25,16 +25,6 @@ std::optional<int> dictionary_of(const std::string& name) {
   return std::nullopt;
 }
 
-BoardSpec spec_of(const ViewSet& set) {
-  BoardSpec spec;
-  const bool charuco = set.board_kind == "charuco";
-  spec.kind = charuco ? BoardKind::kCharuco : BoardKind::kCheckerboard;
-  spec.columns = set.columns - (charuco ? 0 : 1), spec.rows = set.rows - (charuco ? 0 : 1);
-  spec.square_m = set.square_m, spec.marker_m = set.marker_m;
-  spec.dictionary = set.dictionary;
-  return spec;
-}
-
 /// The first error of several threads.
 class FirstError {
  public:
@@ -97,7 +87,7 @@ void settle_first_square(RigData& data, const ToldColors& told) {
 
 Result<void> find_corners(RigData& data, Crew& crew,
                           const std::function<void(int, int)>& progress) {
-  const BoardSpec spec = spec_of(data.set);
+  const BoardSpec spec = board_of(data.set);
   const int inner = data.set.columns - 1;
   ToldColors told(data.corners.size(), std::vector<std::optional<bool>>(data.set.cameras.size()));
   FirstError error;
@@ -129,6 +119,16 @@ Result<void> find_corners(RigData& data, Crew& crew,
 }
 
 }  // namespace
+
+BoardSpec board_of(const ViewSet& set) {
+  BoardSpec spec;
+  const bool charuco = set.board_kind == "charuco";
+  spec.kind = charuco ? BoardKind::kCharuco : BoardKind::kCheckerboard;
+  spec.columns = set.columns - (charuco ? 0 : 1), spec.rows = set.rows - (charuco ? 0 : 1);
+  spec.square_m = set.square_m, spec.marker_m = set.marker_m;
+  spec.dictionary = set.dictionary;
+  return spec;
+}
 
 Result<BoardPrint> print_of(const ViewSet& set) {
   BoardPrint print;

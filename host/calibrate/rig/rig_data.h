@@ -8,11 +8,15 @@
 #include <vector>
 
 #include "hal/base/parallel.h"
+#include "host/calibrate/board/board.h"
 #include "host/calibrate/board/image_circle.h"
 #include "host/calibrate/rig/rig_terms.h"
 #include "host/calibrate/rig/view_set.h"
 
 namespace mixrig::calibration {
+
+/// The set's board as the detector names it: inner corners of a checkerboard, squares of a ChArUco.
+BoardSpec board_of(const ViewSet& set);
 
 /// Print of a set's board. Errors: kUsage for an unknown dictionary.
 Result<BoardPrint> print_of(const ViewSet& set);

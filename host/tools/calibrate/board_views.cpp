@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include <malloc.h>
+
 #include "hal/base/order_statistics.h"
 #include "hal/base/parallel.h"
 #include "host/calibrate/board/suggest_board.h"
@@ -81,7 +83,15 @@ Error no_board(const std::vector<std::string>& images, const BoardSpec& board) {
 
 }  // namespace
 
+void keep_freed_memory() {
+  constexpr int kLargest_bytes = 32 << 20, kKept_bytes = 1 << 30, kGrow_bytes = 64 << 20;
+  mallopt(M_MMAP_THRESHOLD, kLargest_bytes);
+  mallopt(M_TRIM_THRESHOLD, kKept_bytes);
+  mallopt(M_TOP_PAD, kGrow_bytes);
+}
+
 Result<BoardViews> collect_views(const std::vector<std::string>& images, const BoardSpec& board) {
+  keep_freed_memory();
   BoardViews all;
   const auto seen = look_at_all(images, board, all.brightest);
   int older = 0, today = 0;

@@ -17,6 +17,10 @@ struct BoardViews {
   bool older_layout = false;  ///< ChArUco: most pictures that tell show OpenCV's older layout
 };
 
+/// Keeps freed memory for the next picture: finders allocate whole pictures again and again, and
+/// the kernel would clear each anew (a third of the time to find boards). For the whole process.
+void keep_freed_memory();
+
 /// Finds the board in every picture, with a progress bar. Errors: those of reading; kData where
 /// sizes differ, or where no picture shows the board, with the board that one shows.
 Result<BoardViews> collect_views(const std::vector<std::string>& images,

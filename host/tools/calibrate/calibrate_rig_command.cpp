@@ -4,10 +4,13 @@
 #include <cstdio>
 #include <memory>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "hal/base/angles.h"
 #include "host/calibrate/rig/calibrate_rig.h"
+#include "host/tools/calibrate/intrinsics_report.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
 
@@ -18,9 +21,43 @@ using nlohmann::json;
 
 struct RigArguments {
   std::string set, out, camera;
-  bool corners_only = false, bend = false;
+  bool corners_only = false, bend = false, force = false;
   int threads = 0;
 };
+
+/// Reasons not to use a calibration, empty: go; and the view to take next for each camera at fault.
+struct Verdict {
+  std::vector<std::string> why, next;
+};
+
+/// Few views, and a rim that none reaches, are warnings: the other cameras' views count too.
+Verdict verdict_of(const calibration::ViewSet& set, calibration::RigReport& report) {
+  constexpr int kCellColumns = 12, kCellRows = 9;
+  constexpr double kRegistered_px = 1.0, kHelps = 0.9;
+  Verdict verdict;
+  for (std::size_t c = 0; c < report.alone.size(); ++c) {
+    const calibration::Intrinsics& in = report.alone[c];
+    const std::string& name = report.model.cameras[c].name;
+    const auto map = calibration::projection_uncertainty(in, kCellColumns, kCellRows);
+    const auto why = objections(in, map);
+    const std::size_t grave = fit_objections(in, map).size();
+    for (std::size_t i = 0; i < why.size(); ++i)
+      (i < grave ? verdict.why : report.warnings).push_back(name + ": " + why[i]);
+    if (why.empty()) continue;
+    const auto advice = calibration::advise(in, calibration::board_of(set));
+    if (advice.mean_then_px < kHelps * advice.mean_now_px)
+      verdict.next.push_back(fmt::format("{}: hold the board {}: {:.2f} px would become {:.2f} px",
+                                         name, advice.where, advice.mean_now_px,
+                                         advice.mean_then_px));
+  }
+  for (const calibration::Registration& r : report.registrations)
+    if (!(r.median_px <= kRegistered_px))
+      verdict.why.push_back(
+          fmt::format("{}: what it sees {:.1f} m away is uncertain by {:.2f} px in the picture of "
+                      "{}: more views that both see, near and far",
+                      r.camera, r.distance_m, r.median_px, report.model.cameras[0].name));
+  return verdict;
+}
 
 json to_json(const calibration::DepthFit& fit) {
   json tried = json::array();
@@ -50,7 +87,7 @@ json camera_json(const calibration::RigCamera& camera) {
           {"blur_px", camera.blur_px}};
 }
 
-json report_of(const calibration::RigReport& report) {
+json report_of(const calibration::RigReport& report, const Verdict& verdict) {
   json cameras, by_corners, held_out, sigma;
   for (std::size_t c = 0; c < report.model.cameras.size(); ++c) {
     const std::string& name = report.model.cameras[c].name;
@@ -58,6 +95,7 @@ json report_of(const calibration::RigReport& report) {
     cameras[name]["corner_px"] = report.calibration.cameras[c].residual_px;
     cameras[name]["misfound"] = {{"views", report.misfound[c].views.size()},
                                  {"corners", report.misfound[c].corners}};
+    cameras[name]["lens_terms"] = report.alone[c].lens_terms;
     if (!report.grey_rms.empty()) cameras[name]["grey_rms"] = report.grey_rms[c];
     by_corners[name] = camera_json(report.by_corners.cameras[c]);
     by_corners[name]["corner_px"] = report.corner_px[c];
@@ -69,6 +107,10 @@ json report_of(const calibration::RigReport& report) {
   for (const calibration::HeldOut& h : report.held_out)
     held_out[h.camera] = {
         {"corners_px", h.corners_px}, {"pixels_px", h.pixels_px}, {"views", h.views}};
+  json registration;
+  for (const calibration::Registration& r : report.registrations)
+    registration[r.camera] = {
+        {"distance_m", r.distance_m}, {"median_px", r.median_px}, {"worst_px", r.worst_px}};
   json out{{"cameras", cameras},
            {"by_corners", by_corners},
            {"extrinsic_sigma", sigma},
@@ -77,9 +119,23 @@ json report_of(const calibration::RigReport& report) {
             {{"load", report.load_s}, {"corners", report.corners_s}, {"pixels", report.pixels_s}}},
            {"first_square", report.first_is_white ? "white" : "black"},
            {"bend_mm", 1000 * report.model.bend.norm()},
+           {"registration_sigma", registration},
+           {"verdict", verdict.why.empty() ? "go" : "no-go"},
+           {"why", verdict.why},
+           {"next_views", verdict.next},
            {"warnings", report.warnings}};
   if (report.depth) out["depth_error"] = to_json(*report.depth);
   return out;
+}
+
+std::string joined(const std::vector<std::string>& parts) {
+  return fmt::format("{}", fmt::join(parts, "; "));
+}
+
+void print(const Verdict& verdict) {
+  for (const std::string& next : verdict.next) std::printf("next view, %s\n", next.c_str());
+  std::printf("verdict: %s%s%s\n", verdict.why.empty() ? "go" : "no-go",
+              verdict.why.empty() ? "" : ": ", joined(verdict.why).c_str());
 }
 
 void print(const calibration::RigReport& report) {
@@ -110,6 +166,9 @@ void print(const calibration::RigReport& report) {
   for (const auto& h : report.held_out)
     std::printf("held out, %s: %.4f px by corners, %.4f px by pixels (%d views)\n",
                 h.camera.c_str(), h.corners_px, h.pixels_px, h.views);
+  for (const auto& r : report.registrations)
+    std::printf("registration, %s at %.1f m: uncertain by %.3f px, %.3f px where it is worst\n",
+                r.camera.c_str(), r.distance_m, r.median_px, r.worst_px);
   if (report.depth)
     std::printf("depth error: %.2f mm before, %.2f mm after on views held out; %d knots%s%s\n",
                 1000 * report.depth->uncorrected_m, 1000 * report.depth->chosen.held_out_m,
@@ -156,6 +215,7 @@ void keep_second(calibration_file::Calibration& calibration) {
 /// Calibrates the cameras of the options, writes and prints the result.
 Result<json> run(const calibration::ViewSet& set, const calibration::RigOptions& options,
                  const RigArguments& arguments) {
+  keep_freed_memory();
   Progress bar("finding the board", set.views);
   MIXRIG_ASSIGN(calibration::RigReport report,
                 calibration::calibrate_rig(set, options, [&](const char* what, int done, int) {
@@ -163,8 +223,13 @@ Result<json> run(const calibration::ViewSet& set, const calibration::RigOptions&
                 }));
   const bool second = arguments.camera.empty() && !options.cameras.empty() &&
                       options.cameras.back() == calibration::kSecondDepthCamera;
+  const Verdict verdict = verdict_of(set, report);
   print(report);
-  json out = report_of(report);
+  print(verdict);
+  json out = report_of(report, verdict);
+  if (!verdict.why.empty() && !arguments.out.empty() && !arguments.force)
+    return Error{ErrorCode::kData, arguments.out + " is not written, no-go: " +
+                                       joined(verdict.why) + ": add views, or give --force"};
   if (second) keep_second(report.calibration);
   MIXRIG_TRY(write(set, arguments.camera, arguments.out, report.calibration));
   return out;
@@ -205,6 +270,7 @@ void add_options(Command command, RigArguments& arguments) {
                    "leave out the analysis of all pixels");
   command.add_flag("--bend", arguments.bend,
                    "solve for the board's bend even where corners show none");
+  command.add_flag("--force", arguments.force, "write a result that is no-go too");
   command.add_option("--threads", arguments.threads, "0: one per core");
 }
 

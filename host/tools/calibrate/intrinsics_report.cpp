@@ -67,12 +67,8 @@ void print_field(const Intrinsics& in) {
 
 }  // namespace
 
-std::vector<std::string> objections(const Intrinsics& in, const UncertaintyMap& map) {
+std::vector<std::string> fit_objections(const Intrinsics& in, const UncertaintyMap& map) {
   constexpr double kWorst_px = 2.0, kMedian_px = 0.5, kRms_px = 1.0, kPointsOut = 0.1;
-  constexpr int kFewViews = 6;
-  // So far beyond the outermost point, lenses of two and of four terms that fit the points equally
-  // well still agree.
-  constexpr double kMostBeyond_rad = 15 * kDegree;
   std::vector<std::string> why;
   if (!(map.worst_px <= kWorst_px))
     why.push_back(fmt::format("a pixel is uncertain by {:.2f} px where it is worst", map.worst_px));
@@ -86,6 +82,15 @@ std::vector<std::string> objections(const Intrinsics& in, const UncertaintyMap& 
   if (in.points_out > kPointsOut * (in.points + in.points_out))
     why.push_back(fmt::format("{:.0f} % of the points do not fit",
                               100.0 * in.points_out / (in.points + in.points_out)));
+  return why;
+}
+
+std::vector<std::string> objections(const Intrinsics& in, const UncertaintyMap& map) {
+  constexpr int kFewViews = 6;
+  // So far beyond the outermost point, lenses of two and of four terms that fit the points equally
+  // well still agree.
+  constexpr double kMostBeyond_rad = 15 * kDegree;
+  std::vector<std::string> why = fit_objections(in, map);
   if (const auto angle = geometry::max_angle_rad(in.camera);
       angle && *angle - in.point_angle_rad > kMostBeyond_rad)
     why.push_back(fmt::format(

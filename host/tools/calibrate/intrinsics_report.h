@@ -12,7 +12,10 @@
 
 namespace mixrig::tools {
 
-/// Reasons not to use this calibration; empty: go.
+/// Reasons why the points do not determine this lens, or do not fit it.
+std::vector<std::string> fit_objections(const calibration::Intrinsics& in,
+                                        const calibration::UncertaintyMap& map);
+/// Reasons not to use this calibration, fit_objections() first; empty: go.
 std::vector<std::string> objections(const calibration::Intrinsics& in,
                                     const calibration::UncertaintyMap& map);
 
