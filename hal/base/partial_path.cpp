@@ -6,6 +6,9 @@
 #include <system_error>
 #include <utility>
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include "hal/base/left_partial.h"
 
 namespace mixrig {
@@ -35,8 +38,19 @@ bool is_special(const fs::path& path) {
   return fs::is_other(path, error);
 }
 
+/// Gives a new file the mode, and where it may the owner, of the file that it will replace.
+void take_rights(const fs::path& from, const fs::path& to) {
+  struct stat old {};
+  if (::stat(from.c_str(), &old) != 0 || !S_ISREG(old.st_mode)) return;
+  if (::chown(to.c_str(), old.st_uid, old.st_gid) != 0 &&
+      ::chown(to.c_str(), static_cast<uid_t>(-1), old.st_gid) != 0)
+    old.st_mode &= ~static_cast<mode_t>(S_ISUID | S_ISGID);
+  ::chmod(to.c_str(), old.st_mode & 07777);
+}
+
 Result<void> write_bytes(const fs::path& file_path, const fs::path& shown, std::string_view bytes) {
   std::ofstream file(file_path, std::ios::binary);
+  if (file_path != shown) take_rights(shown, file_path);  // before it holds anything
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.close();
   if (file) return {};
@@ -81,6 +95,7 @@ Result<void> PartialPath::commit() {
     fs::remove_all(old, error);
     fs::rename(wanted_, old, error);
   }
+  if (!replaces_folder) take_rights(wanted_, partial_);
   fs::rename(partial_, wanted_, error);
   std::error_code ignored;
   if (error && replaces_folder) fs::rename(old, wanted_, ignored);

@@ -55,6 +55,18 @@ TEST_F(PartialPathTest, ReplacesItsOwnFolder) {
   EXPECT_FALSE(fs::exists(root_ / "out.replaced"));
 }
 
+TEST_F(PartialPathTest, AFileKeepsItsRights) {
+  const fs::path file = root_ / "scene.toml";
+  touch(file);
+  for (const unsigned mode : {0664U, 0600U}) {
+    ASSERT_EQ(::chmod(file.c_str(), mode), 0);
+    ASSERT_TRUE(write_file(file, "new"));
+    struct stat now {};
+    ASSERT_EQ(::stat(file.c_str(), &now), 0);
+    EXPECT_EQ(now.st_mode & 07777U, mode);
+  }
+}
+
 TEST_F(PartialPathTest, RefusesAFileAndAFolderOfOthers) {
   touch(root_ / "file");
   fs::create_directory(root_ / "theirs");
