@@ -135,10 +135,17 @@ Result<void> SceneDesk::apply(const page::SetObject& set, const SeenFrom* from) 
     previews_of_now().poses[set.name] = pose;
   }
   if (set.preview) return {};
-  MIXRIG_ASSIGN(std::string text, with_poses(now.text, set.name));
-  MIXRIG_ASSIGN(text, scene::with_object(text, session_.scene.path, set.name,
-                                         {pose, set.scale, set.hidden, set.rename}));
-  MIXRIG_TRY(put(now, text, what_of(set)));
+  const auto write = [&]() -> Result<void> {
+    MIXRIG_ASSIGN(std::string text, with_poses(now.text, set.name));
+    MIXRIG_ASSIGN(text, scene::with_object(text, session_.scene.path, set.name,
+                                           {pose, set.scale, set.hidden, set.rename}));
+    return put(now, text, what_of(set));
+  };
+  if (const Result<void> done = write(); !done) {  // the picture shows what the file says
+    follower_->preview_object(set.name, object->world_from_object);
+    forget_preview(set.name);
+    return done;
+  }
   if (set.rename && *set.rename != set.name) forget_preview(set.name);
   return {};
 }

@@ -56,6 +56,18 @@ TEST_F(Desk, ADragIsShownAndWrittenOnRelease) {
   EXPECT_NE(text().find("# ours"), std::string::npos);
 }
 
+TEST_F(Desk, ARefusedDragIsTakenBack) {
+  std::string several = kDeskScene;
+  const std::size_t at = several.find("position_m = [2");
+  ASSERT_NE(at, std::string::npos) << several;
+  several.insert(at + std::string("position_m = [").size(), "\n");
+  write(several);
+  ASSERT_TRUE(desk_->apply(move_to(0.6, 0.6, true), &from_));
+  EXPECT_FALSE(desk_->apply(move_to(0.7, 0.6, false), &from_));
+  EXPECT_LT((desk_->objects(&from_)[0].position_m - Eigen::Vector3d(2, 3, 0.5)).norm(), 1e-6);
+  EXPECT_EQ(text(), several);
+}
+
 TEST_F(Desk, TurnScaleAndHiding) {
   page::SetObject set;
   set.name = "crate", set.turn_rad = 1.0, set.scale = 0.5, set.hidden = true;
