@@ -173,12 +173,14 @@ std::optional<Answer> first_visit(const Guard& guard, const Request& request) {
   if (!equal_in_constant_time(request.target.substr(kStart.size()), guard.token))
     return refusal(401,
                    "this token is wrong: open the page by the address that mixrig run printed");
+  // Lax: a link clicked in a chat is a navigation that another site began, and a strict cookie
+  // would not be sent on the redirect. Changes are checked by their Origin.
   return Answer{
       303,
       "text/plain",
       "",
       {{"Location", "/"},
-       {"Set-Cookie", std::string(kCookie) + guard.token + "; Path=/; HttpOnly; SameSite=Strict"}}};
+       {"Set-Cookie", std::string(kCookie) + guard.token + "; Path=/; HttpOnly; SameSite=Lax"}}};
 }
 
 std::string random_token() {

@@ -100,7 +100,7 @@ TEST(PageGuard, TheFirstVisitGetsACookieThatOtherSitesCannotUse) {
   EXPECT_EQ(visit->status, 303);
   EXPECT_EQ(visit->headers[0], std::pair(std::string("Location"), std::string("/")));
   EXPECT_EQ(visit->headers[1].second,
-            "mixrig_token=" + kToken + "; Path=/; HttpOnly; SameSite=Strict");
+            "mixrig_token=" + kToken + "; Path=/; HttpOnly; SameSite=Lax");
   request.target = "/?token=" + kToken.substr(1) + "0";
   EXPECT_EQ(first_visit(guard, request)->status, 401);
   EXPECT_FALSE(first_visit({}, request));
