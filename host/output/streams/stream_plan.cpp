@@ -255,6 +255,11 @@ Result<StreamPlan> plan_stream(const scene::StreamOut& out, Size view, double ra
   const Codec codec = codec_of(out, where.carrier);
   MIXRIG_TRY(check_codec(out, where.carrier, codec));
   const Size size = stream_size(out.picture, view);
+  if (codec == Codec::kH264 && (size.width % 2 != 0 || size.height % 2 != 0))
+    return stream_error(out, fmt::format("H.264 needs even sides, the picture has {}x{}: give "
+                                         "codec = \"ffv1\" where it can be carried, or a camera "
+                                         "size with even sides",
+                                         size.width, size.height));
   const StreamPixels pixels = pixels_of(out.picture);
   StreamPlan plan;
   plan.i420 = codec == Codec::kH264;

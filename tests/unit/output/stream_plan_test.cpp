@@ -60,6 +60,17 @@ TEST(StreamPlan, AListenerWithoutAnAddressHearsThisMachineAlone) {
             "srt://127.0.0.1:7001?mode=listener");
 }
 
+TEST(StreamPlan, OddSidesAreRefusedWhereTheCodecCannotHoldThem) {
+  scene::StreamOut out;
+  out.uri = "srt://127.0.0.1:7001";
+  EXPECT_TRUE(test::refused(plan_stream(out, {161, 129}, 25), {"even sides", "161x129"}));
+  out.picture = Picture::kFillKey;  // two beside each other: 322 wide
+  EXPECT_TRUE(test::refused(plan_stream(out, {161, 129}, 25), {"322x129"}));
+  EXPECT_TRUE(plan_stream(out, {161, 128}, 25));
+  out.codec = Codec::kFfv1;
+  EXPECT_TRUE(plan_stream(out, {161, 129}, 25));
+}
+
 TEST(StreamPlan, NothingOfTheAddressIsReadAsAPipeline) {
   const auto evil = plan("shm:///tmp/x ! filesink location=/tmp/y");
   ASSERT_TRUE(evil);
