@@ -57,7 +57,10 @@ Result<FreeDPacket> parse_freed(std::span<const std::byte> bytes) {
   if (bytes[0] != kD1)
     return wrong(
         fmt::format("a packet of kind {:02X}, D1 is read", std::to_integer<unsigned>(bytes[0])));
-  if (bytes[kChecksum] != checksum_of(bytes)) return wrong("the checksum is wrong");
+  if (bytes[kChecksum] != checksum_of(bytes))
+    return wrong(fmt::format("the checksum is {:02X}, {:02X} was expected",
+                             std::to_integer<unsigned>(bytes[kChecksum]),
+                             std::to_integer<unsigned>(checksum_of(bytes))));
   FreeDPacket packet;
   packet.camera = std::to_integer<int>(bytes[1]);
   const auto value = [&](std::size_t at, double step) {

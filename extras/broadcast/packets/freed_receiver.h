@@ -17,7 +17,9 @@ namespace mixrig::stream {
 /// Pure. Errors: kUsage.
 Result<ListenAddress> parse_freed_address(const std::string& uri);
 
-/// Not thread-safe. Nothing allocates after open().
+/// Follows the camera of its address; without a number the one of the first packet, and warns once
+/// where others come. Warns once of packets that cannot be read. Not thread-safe. Nothing allocates
+/// after open() but those warnings.
 class FreeDReceiver {
  public:
   /// Opens the port; port 0 takes a free one. Errors: kUsage for an address that is not IPv4,
@@ -32,10 +34,11 @@ class FreeDReceiver {
 
  private:
   FreeDReceiver(UdpReceiver socket, std::optional<int> camera)
-      : socket_(std::move(socket)), camera_(camera) {}
+      : socket_(std::move(socket)), camera_(camera), stated_(camera.has_value()) {}
 
   UdpReceiver socket_;
   std::optional<int> camera_;
+  bool stated_;  ///< the address names the camera
   StreamCounts counts_;
 };
 

@@ -150,6 +150,30 @@ TEST(FreeDReceiver, ReadsItsCameraAndCountsTheRest) {
   EXPECT_FALSE(*receiver->next(Duration(0)));
 }
 
+TEST(FreeDReceiver, FollowsTheCameraOfTheFirstPacketAndTellsWhatItLeavesOut) {
+  testing::internal::CaptureStderr();
+  auto receiver = FreeDReceiver::open({"127.0.0.1", 0, {}});
+  ASSERT_TRUE(receiver) << receiver.error().context;
+  const Sender sender(receiver->port());
+  auto other = plain(), without = plain();
+  other[1] = std::byte{2};
+  set_checksum(other);
+  without[28] = std::byte{0};
+  for (const auto& datagram : {plain(), other, without, other, without, plain()})
+    sender.send(datagram);
+  for (int i = 0; i < 6; ++i) {
+    const auto packet = receiver->next(std::chrono::seconds(20));
+    ASSERT_TRUE(packet) << packet.error().context;
+    if (*packet) EXPECT_EQ((*packet)->camera, 1);
+  }
+  EXPECT_EQ(receiver->counts().packets, 2);
+  EXPECT_EQ(receiver->counts().foreign, 2);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("cameras 1 and 2 send to port"), std::string::npos) << said;
+  EXPECT_NE(said.find("the checksum is 00, 6E was expected"), std::string::npos) << said;
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 2) << said;
+}
+
 TEST(FreeDReceiver, RefusesAPortThatIsTaken) {
   const auto first = FreeDReceiver::open({"127.0.0.1", 0, {}});
   ASSERT_TRUE(first);
