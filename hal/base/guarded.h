@@ -5,6 +5,7 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <type_traits>
 #include <utility>
@@ -16,7 +17,7 @@ namespace mixrig {
 /// Calls work(), which returns nothing or a Result<void>. Returns its error, or what it threw as an
 /// error of `name`. Errors: kIo.
 template <typename Work>
-Result<void> guarded(const char* name, Work&& work) {
+Result<void> guarded(std::string_view name, Work&& work) {
   try {
     if constexpr (std::is_void_v<decltype(work())>) {
       work();
@@ -33,10 +34,10 @@ Result<void> guarded(const char* name, Work&& work) {
   }
 }
 
-/// Starts a thread that calls work() once. Its error, or what it threw, is given to
-/// failed(const Error&) in that thread, which must not throw.
+/// Starts a thread that calls work() once; `name` must outlive it. Its error, or what it threw, is
+/// given to failed(const Error&) in that thread, which must not throw.
 template <typename Work, typename Failed>
-std::thread guarded_thread(const char* name, Work work, Failed failed) {
+std::thread guarded_thread(std::string_view name, Work work, Failed failed) {
   return std::thread([name, work = std::move(work), failed = std::move(failed)]() mutable {
     const Result<void> done = guarded(name, work);
     if (!done) failed(done.error());

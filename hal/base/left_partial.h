@@ -18,14 +18,9 @@ inline bool has_left_partial(const std::filesystem::path& wanted) {
   return std::filesystem::exists(partial, error) && !std::filesystem::is_empty(partial, error);
 }
 
-/// Refuses a name under which PartialPath would remove what an earlier recording left. Errors:
-/// kUsage.
-inline Result<void> refuse_left_partial(const std::filesystem::path& wanted) {
-  if (!has_left_partial(wanted)) return {};
-  return Error{ErrorCode::kUsage, "'" + partial_of(wanted).string() +
-                                      "' holds what a recording that was cut off has left: "
-                                      "mixrig info --repair makes a take of it; or move it to "
-                                      "another name or remove it, or give another name"};
-}
+/// Renames a folder under which PartialPath would write: NAME.partial becomes NAME.1.partial, or
+/// the first number that is free, and one line in the log says so. Errors: kUsage where a program
+/// holds the folder, or a folder in it, with flock(2) to write there; kIo.
+Result<void> set_aside_left(const std::filesystem::path& wanted);
 
 }  // namespace mixrig

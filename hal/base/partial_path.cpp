@@ -6,10 +6,13 @@
 #include <system_error>
 #include <utility>
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "hal/base/left_partial.h"
+#include "hal/base/log.h"
 
 namespace mixrig {
 namespace fs = std::filesystem;
@@ -48,6 +51,14 @@ void take_rights(const fs::path& from, const fs::path& to) {
   ::chmod(to.c_str(), old.st_mode & 07777);
 }
 
+/// Whether a program has locked the folder, as one that records does.
+bool is_locked(const fs::path& folder) {
+  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const bool locked = fd >= 0 && ::flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  if (fd >= 0) ::close(fd);
+  return locked;
+}
+
 Result<void> write_bytes(const fs::path& file_path, const fs::path& shown, std::string_view bytes) {
   std::ofstream file(file_path, std::ios::binary);
   if (file_path != shown) take_rights(shown, file_path);  // before it holds anything
@@ -61,6 +72,30 @@ Result<void> write_bytes(const fs::path& file_path, const fs::path& shown, std::
 
 fs::path partial_of(const fs::path& wanted) {
   return with_suffix(behind_links(wanted), ".partial");
+}
+
+Result<void> set_aside_left(const fs::path& wanted) {
+  const fs::path partial = partial_of(wanted);
+  std::error_code error;
+  if (!fs::is_directory(partial, error) || fs::is_empty(partial, error)) return {};
+  bool written = is_locked(partial);
+  for (const fs::directory_entry& entry : fs::directory_iterator(partial, error))
+    written |= entry.is_directory(error) && is_locked(entry.path());
+  if (written)
+    return Error{ErrorCode::kUsage, "'" + partial.string() +
+                                        "' is being written by another program: end that, or give "
+                                        "another name"};
+  const fs::path name = fs::path(partial).replace_extension();
+  fs::path aside;
+  for (int i = 1; aside.empty() || fs::exists(aside, error); ++i)
+    aside = with_suffix(name, ("." + std::to_string(i) + ".partial").c_str());
+  fs::rename(partial, aside, error);
+  if (error)
+    return system_error(ErrorCode::kIo, "cannot rename '" + partial.string() + "'", error.value());
+  log_warning("files", "'" + partial.string() +
+                           "' holds what a run that was cut off has left: it is '" +
+                           aside.string() + "' now");
+  return {};
 }
 
 PartialPath::PartialPath(fs::path wanted)
@@ -117,6 +152,7 @@ Result<PartialPath> make_partial_folder(const fs::path& given, const char* marke
       return Error{ErrorCode::kUsage, "output " + folder.string() + " holds other files (no " +
                                           marker + "): name a new folder"};
   }
+  MIXRIG_TRY(set_aside_left(folder));
   PartialPath partial(folder);
   if (!fs::create_directories(partial.path(), error))
     return system_error(ErrorCode::kIo, "cannot make folder " + partial.path().string(),

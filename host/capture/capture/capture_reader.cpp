@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "hal/base/guarded.h"
 #include "hal/base/thread_priority.h"
 
 namespace mixrig::capture {
@@ -31,10 +32,14 @@ void CaptureReader::run(int first, int last) {
   if (!live_) lower_thread_priority();
   for (int number = first; !stop_; ++number) {
     Slot slot;
-    const auto there = read(number, slot.item);
-    if (!there) slot.error = there.error();
-    if (there && !*there) break;
-    if (!push(std::move(slot)) || !there || number == last) break;
+    bool there = false;
+    const Result<void> done = guarded("reading", [&]() -> Result<void> {
+      MIXRIG_ASSIGN(there, read(number, slot.item));
+      return {};
+    });
+    if (!done) slot.error = done.error();
+    if (done && !there) break;
+    if (!push(std::move(slot)) || !done || number == last) break;
   }
   queue_.close();
 }

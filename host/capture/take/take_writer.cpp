@@ -152,7 +152,7 @@ Result<TakeWriter> TakeWriter::create(const fs::path& folder, const TakeInfo& in
       !fs::is_empty(folder, error))
     return Error{ErrorCode::kUsage,
                  "'" + folder.string() + "' exists and is not a take: give another folder"};
-  MIXRIG_TRY(refuse_left_partial(folder));
+  MIXRIG_TRY(set_aside_left(folder));
   auto state = std::make_unique<State>(folder, info, format);
   MIXRIG_TRY(make_take_folder(state->partial.path()));
   state->lock = FolderLock(state->partial.path());

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "hal/base/guarded.h"
 #include "hal/base/left_partial.h"
 #include "hal/base/thread_priority.h"
 #include "host/math/config/writer.h"
@@ -63,7 +64,8 @@ Result<void> CompositeRecorder::start(const std::string& name, const std::string
       std::max(kLeastWaiting, kMostWaitingBytes / (kBytesOfPixel * std::max<std::size_t>(area, 1)));
   most_waiting_ = std::min(most_waiting_, kMostWaitingFrames);
   last_number_ = 0, ends_ = false;
-  thread_ = std::thread([this] { run(); });
+  thread_ = guarded_thread(
+      "recording", [this] { return run(); }, [this](const Error& error) { end_early(error); });
   on_ = true;
   return {};
 }
@@ -73,7 +75,7 @@ Result<void> CompositeRecorder::open(const std::string& name) {
   const fs::path wanted = folder_ / name;
   if (fs::exists(wanted))
     return Error{ErrorCode::kUsage, wanted.string() + " exists: give another name"};
-  MIXRIG_TRY(refuse_left_partial(wanted));
+  MIXRIG_TRY(set_aside_left(wanted));
   MIXRIG_TRY(check_disk());
   std::error_code code;
   fs::create_directories(folder_, code);
@@ -141,18 +143,17 @@ void CompositeRecorder::write(const output::CompositePtr& composite) {
 }
 
 /// Encodes until the queue is empty at the end.
-void CompositeRecorder::run() {
+Result<void> CompositeRecorder::run() {
   lower_thread_priority();
   for (;;) {
     std::unique_lock lock(queue_mutex_);
     wake_.wait(lock, [this] { return ends_ || !queue_.empty(); });
-    if (queue_.empty()) return;
+    if (queue_.empty()) return {};
     const output::CompositePtr next = std::move(queue_.front());
     queue_.pop_front();
     lock.unlock();
-    Result<void> done = check_disk();
-    if (done) done = files_->write(next);
-    if (!done) return end_early(done.error());
+    MIXRIG_TRY(check_disk());
+    MIXRIG_TRY(files_->write(next));
   }
 }
 

@@ -58,7 +58,7 @@ class CompositeRecorder {
   std::string free_name() const;
   Result<void> open(const std::string& name);
   output::CompositePtr copy(const output::Composite& composite);
-  void run();
+  Result<void> run();
   void join();
   Result<void> check_disk() const;
   Result<void> complete(const std::string& ended);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "hal/base/guarded.h"
 #include "hal/base/log.h"
 #include "hal/base/thread_priority.h"
 #include "host/room/sweep/live_scan.h"
@@ -129,12 +130,7 @@ void RoomSweep::set_phase(Phase phase) {
 
 void RoomSweep::work(const page::StartSweep& wanted, const fs::path& folder) {
   lower_thread_priority();
-  Result<void> made;
-  try {
-    made = make_room(wanted, folder);
-  } catch (const std::exception& fault) {  // folders and memory may throw
-    made = Error{ErrorCode::kIo, fault.what()};
-  }
+  const Result<void> made = guarded("scanning the room", [&] { return make_room(wanted, folder); });
   std::error_code ignored;
   if (made || cancelled_) fs::remove_all(sweep_folder(folder), ignored);
   const std::lock_guard lock(mutex_);

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "hal/base/guarded.h"
 #include "hal/base/thread_priority.h"
 
 namespace mixrig::output {
@@ -50,7 +51,7 @@ void SinkThread::wait_until_idle() {
 
 Result<void> SinkThread::write(const CompositePtr& composite) {
   const WorkGate::Work work(gate_);
-  return sink_->write(composite);
+  return guarded(sink_->name(), [&] { return sink_->write(composite); });
 }
 
 void SinkThread::run() {
@@ -68,7 +69,7 @@ void SinkThread::run() {
     handled_one_.notify_all();
   }
   if (failed || !finish_) return;
-  const auto done = sink_->finish();
+  const auto done = guarded(sink_->name(), [&] { return sink_->finish(); });
   if (done) return;
   const std::lock_guard lock(mutex_);
   error_ = done.error();

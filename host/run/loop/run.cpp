@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "hal/base/guarded.h"
 #include "hal/base/partial_path.h"
 #include "hal/base/pool.h"
 #include "hal/base/work_gate.h"
@@ -74,6 +75,9 @@ class Runner {
   /// False when the source has ended.
   Result<bool> frame();
   Result<RunReport> finish(std::string ended);
+  /// Ends the sinks after an error; files with a frame stay under their partial name, which the
+  /// returned error says.
+  Error keep(const Error& error);
   /// Why frame() gave false.
   const std::string& ended() const { return ended_; }
 
@@ -343,13 +347,21 @@ Result<RunReport> Runner::finish(std::string ended) {
   return report;
 }
 
-}  // namespace
+Error Runner::keep(const Error& error) {
+  feed_.reset();
+  (void)guarded("ending", [&] { return sinks_.finish(); });
+  if (!sinks_.has_written()) return error;
+  const std::string partial = folder_->path().string();
+  folder_->keep();
+  Error kept = error;
+  kept.context += ": what was written before is in '" + partial +
+                  "', of which mixrig info --repair makes a take";
+  return kept;
+}
 
-Result<RunReport> run(Session& session, const RunOptions& options, const Clock& clock,
-                      const ProgressFn& progress, RunParts parts) {
-  MIXRIG_ASSIGN(const FrameRange range, range_of(session, options));
-  const std::atomic<bool>* stop = parts.stop;
-  Runner runner(session, options, clock, std::move(parts));
+/// Composites `range` until it ends, the source ends or `stop` is set.
+Result<RunReport> run_frames(Runner& runner, FrameRange range, const ProgressFn& progress,
+                             const std::atomic<bool>* stop) {
   MIXRIG_TRY(runner.prepare(range, progress));
   const auto stopped = [&] { return stop != nullptr && *stop; };
   for (int number = range.first; !stopped(); ++number) {
@@ -361,6 +373,22 @@ Result<RunReport> run(Session& session, const RunOptions& options, const Clock& 
     if (number == range.second) return runner.finish("frames");
   }
   return runner.finish("stopped");
+}
+
+}  // namespace
+
+Result<RunReport> run(Session& session, const RunOptions& options, const Clock& clock,
+                      const ProgressFn& progress, RunParts parts) {
+  MIXRIG_ASSIGN(const FrameRange range, range_of(session, options));
+  const std::atomic<bool>* stop = parts.stop;
+  Runner runner(session, options, clock, std::move(parts));
+  std::optional<RunReport> report;
+  const Result<void> done = guarded("compositing", [&]() -> Result<void> {
+    MIXRIG_ASSIGN(report, run_frames(runner, range, progress, stop));
+    return {};
+  });
+  if (!done) return runner.keep(done.error());
+  return *std::move(report);
 }
 
 }  // namespace mixrig::session

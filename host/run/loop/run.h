@@ -19,7 +19,8 @@
 namespace mixrig::session {
 
 /// Prepares the background, composites the frames and writes OUT (composite/, the other layers and
-/// frames.csv by FilesSink, contact_sheet.png, report.json), whole or not at all. Captures are read
+/// frames.csv by FilesSink, contact_sheet.png, report.json). After an error OUT.partial stays if a
+/// frame was written to it; one that an earlier run left is set aside. Captures are read
 /// and decoded in a thread of their own, and each sink writes in its own; the calling thread
 /// composites. Only compose() is timed; frames whose inspection images are needed are composited a
 /// second time for them, untimed. A live run never waits for a sink, a run of a recording does.

@@ -134,8 +134,12 @@ Result<void> RunSinks::deliver(const output::CompositePtr& composite) {
 }
 
 Result<void> RunSinks::finish() {
-  for (const auto& sink : sinks_) MIXRIG_TRY(sink->finish());
-  return {};
+  Result<void> done;
+  for (const auto& sink : sinks_) {
+    const Result<void> ended = sink->finish();
+    if (done && !ended) done = ended.error();
+  }
+  return done;
 }
 
 std::vector<output::SinkReport> RunSinks::reports() const {

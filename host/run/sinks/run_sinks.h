@@ -33,6 +33,8 @@ class RunSinks {
   /// people.
   Result<void> open_streams();
   bool has_files() const { return files_ != nullptr; }
+  /// Whether a frame was written to the files.
+  bool has_written() const { return files_ != nullptr && files_->report().written > 0; }
   /// The mover of objects; null if no extra moves objects.
   ObjectMover* mover() { return mover_; }
   /// Waits until the sinks of the extra that moves objects have handled everything delivered.
@@ -50,7 +52,7 @@ class RunSinks {
   Result<void> deliver(const output::CompositePtr& composite);
   /// The sheet if no frame was delivered to it; null otherwise.
   output::SinkThread* empty_sheet() { return sheet_has_rows_ ? nullptr : sheet_; }
-  /// Finishes all sinks. Errors: those of the sinks.
+  /// Finishes all sinks, each whatever becomes of the others. Errors: the first one's.
   Result<void> finish();
   /// Reports of all sinks and streams. Precondition: finish() was called.
   std::vector<output::SinkReport> reports() const;

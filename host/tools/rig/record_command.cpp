@@ -6,7 +6,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hal/base/left_partial.h"
 #include "hal/linux/service_notify.h"
 #include "host/capture/live/rig/rig_config.h"
 #include "host/capture/live/session/record.h"
@@ -27,9 +26,8 @@ struct RecordArguments {
   bool force = false;
 };
 
-/// Refuses to replace a recorded take, or what is left of one, since it cannot be made again.
+/// Refuses to replace a recorded take, since it cannot be made again.
 Result<void> check_out(const RecordArguments& arguments) {
-  MIXRIG_TRY(refuse_left_partial(arguments.out));
   std::error_code code;
   const std::filesystem::path take = std::filesystem::path(arguments.out) / "take.toml";
   if (arguments.force || !std::filesystem::exists(take, code)) return {};

@@ -19,6 +19,7 @@ class NumberedSource final : public CaptureSource {
   const SourceInfo& info() const override { return info_; }
   Result<bool> read(int number, Capture& capture) override {
     if (number == fails_at) return Error{ErrorCode::kData, "depth/000005.png: truncated"};
+    if (number == throws_at) throw std::bad_alloc();
     if (number > last) return false;
     capture.number = number;
     capture.plate.reset({8, 6}, {static_cast<std::uint8_t>(number), 0, 0});
@@ -29,7 +30,7 @@ class NumberedSource final : public CaptureSource {
     truth.matte.reset({8, 6}, static_cast<std::uint8_t>(number));
     return {};
   }
-  int fails_at = 0, last = 1000;
+  int fails_at = 0, throws_at = 0, last = 1000;
   std::atomic<int> reads = 0;
 
  private:
@@ -67,6 +68,15 @@ TEST(CaptureReader, ErrorsComeInOrder) {
   EXPECT_TRUE(reader.next());
   EXPECT_TRUE(reader.next());
   EXPECT_TRUE(test::refused(reader.next(), {}, ErrorCode::kData));
+  EXPECT_FALSE(*reader.next());
+}
+
+TEST(CaptureReader, WhatASourceThrowsIsItsError) {
+  NumberedSource source(100);
+  source.throws_at = 2;
+  CaptureReader reader(source, 1, 100, false);
+  EXPECT_TRUE(reader.next());
+  EXPECT_TRUE(test::refused(reader.next(), {"no memory is left"}, ErrorCode::kIo));
   EXPECT_FALSE(*reader.next());
 }
 

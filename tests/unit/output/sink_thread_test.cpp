@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/progress.h"
+#include "tests/support/refusal.h"
 
 namespace mixrig::output {
 namespace {
@@ -19,7 +20,7 @@ class GatedSink final : public CompositeSink {
     std::mutex mutex;
     std::condition_variable changed;
     bool held = false, finished = false;
-    int entered = 0, fails_at = 0;
+    int entered = 0, fails_at = 0, throws_at = 0;
     std::vector<int> numbers;
     void hold(bool value) {
       const std::lock_guard lock(mutex);
@@ -36,6 +37,7 @@ class GatedSink final : public CompositeSink {
     log_.changed.notify_all();
     log_.changed.wait(lock, [this] { return !log_.held; });
     if (composite->capture->number == log_.fails_at) return Error{ErrorCode::kIo, "disk full"};
+    if (composite->capture->number == log_.throws_at) throw std::bad_alloc();
     log_.numbers.push_back(composite->capture->number);
     return {};
   }
@@ -101,6 +103,16 @@ TEST_F(SinkThreadTest, AnErrorReachesTheNextPushAndFinish) {
   EXPECT_EQ(finished.error().context, "disk full");
   EXPECT_EQ(log_.numbers, std::vector<int>{1});
   EXPECT_FALSE(log_.finished) << "a sink that failed is not finished";
+}
+
+TEST_F(SinkThreadTest, WhatASinkThrowsIsItsError) {
+  log_.throws_at = 2;
+  SinkThread thread(std::make_unique<GatedSink>(log_), WhenFull::kWait);
+  for (int number = 1; number <= 2; ++number) ASSERT_TRUE(thread.push(composite(number)));
+  thread.wait_until_idle();
+  EXPECT_TRUE(test::refused(thread.push(composite(3)), {"gated: no memory is left"}));
+  EXPECT_FALSE(thread.finish());
+  EXPECT_EQ(thread.report().written, 1U);
 }
 
 TEST_F(SinkThreadTest, IsIdleWhenAllThatWasPushedIsWritten) {

@@ -127,14 +127,13 @@ TEST_F(Recorder, WhatARecordingThatWasCutOffHasLeftStays) {
   recorder_.write(frame(1));
   ASSERT_TRUE(recorder_.stop());
   for (const char* name : {"take 1", "scene 1"}) {
-    const auto started = recorder_.start(name, "");
-    ASSERT_FALSE(started) << name;
-    EXPECT_EQ(started.error().code, ErrorCode::kUsage);
-    EXPECT_NE(started.error().context.find(".partial' holds"), std::string::npos);
+    ASSERT_TRUE(recorder_.start(name, ""));
+    recorder_.write(frame(1));
+    ASSERT_TRUE(recorder_.stop());
   }
-  EXPECT_EQ(test::read_bytes(folder_.path() / "takes/take 1.partial/composite/color.mkv"),
+  EXPECT_EQ(test::read_bytes(folder_.path() / "takes/take 1.1.partial/composite/color.mkv"),
             "150 frames");
-  EXPECT_FALSE(test::read_bytes(folder_.path() / "takes/scene 1.partial/recording.toml").empty());
+  EXPECT_FALSE(test::read_bytes(folder_.path() / "takes/scene 1.1.partial/recording.toml").empty());
 }
 
 TEST_F(Recorder, FramesThatComeFasterThanTheyAreWrittenAllAreInTheTake) {
@@ -186,6 +185,22 @@ TEST_F(Recorder, ADiskThatIsAlmostFullEndsItAndKeepsWhatIsThere) {
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().context.find("disk almost full"), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "takes/b.partial"));
+}
+
+TEST_F(Recorder, WhatItsThreadThrowsEndsItAndKeepsWhatIsThere) {
+  std::atomic<int> looks = 0;
+  CompositeRecorder recorder(session_, folder_.path() / "takes",
+                             [&](const std::filesystem::path&) -> std::optional<double> {
+                               if (looks++ == 3) throw std::bad_alloc();
+                               return 2;
+                             });
+  ASSERT_TRUE(recorder.start("a", ""));
+  for (int number = 1; number <= 3; ++number) recorder.write(frame(number));
+  EXPECT_TRUE(test::comes_true([&] { return !recorder.is_on(); }));
+  EXPECT_NE(recorder.state().error.find("no memory is left"), std::string::npos);
+  const auto kept = take::TakeReader::open(folder_.path() / "takes/a/composite");
+  ASSERT_TRUE(kept) << to_line(kept.error());
+  EXPECT_EQ(kept->info().frames, 2);
 }
 
 TEST_F(Recorder, AFaultEndsTheRecordingAlone) {

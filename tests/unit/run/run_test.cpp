@@ -136,10 +136,31 @@ TEST_F(RunTest, JudgesASmallerViewAtTheTruthsSize) {
   EXPECT_GT(*report->error->key_iou, 0.85);
 }
 
-TEST_F(RunTest, LeavesNothingWhereAFrameCannotBeRead) {
-  source_->fails_at = 7;
+TEST_F(RunTest, LeavesNothingWhereTheFirstFrameCannotBeRead) {
+  source_->fails_at = 6;
   EXPECT_TRUE(test::refused(run_it(), {}, ErrorCode::kData));
   EXPECT_TRUE(fs::is_empty(root_));
+}
+
+TEST_F(RunTest, KeepsWhatWasWrittenBeforeAFault) {
+  source_->fails_at = 7;
+  EXPECT_TRUE(test::refused(run_it(), {"out.partial"}, ErrorCode::kData));
+  EXPECT_EQ(take::TakeReader::open(root_ / "out.partial" / "composite")->info().frames, 1);
+  EXPECT_FALSE(fs::exists(root_ / "out"));
+  source_->fails_at = 0;
+  ASSERT_TRUE(run_it());
+  EXPECT_EQ(take::TakeReader::open(root_ / "out" / "composite")->info().frames, 3);
+  EXPECT_EQ(take::TakeReader::open(root_ / "out.1.partial" / "composite")->info().frames, 1)
+      << "the next run sets it aside";
+}
+
+TEST_F(RunTest, KeepsWhatWasWrittenBeforeMemoryEnds) {
+  const auto no_memory = [](std::string_view what, int done, int) {
+    if (what == "frames" && done == 2) throw std::bad_alloc();
+  };
+  EXPECT_TRUE(test::refused(run(session_, options_, clock_, no_memory, parts()),
+                            {"no memory is left", "out.partial"}, ErrorCode::kIo));
+  EXPECT_EQ(take::TakeReader::open(root_ / "out.partial" / "composite")->info().frames, 2);
 }
 
 TEST_F(RunTest, EndsWholeWhereTheSourceEnds) {

@@ -74,10 +74,23 @@ class CutTake : public ::testing::TestWithParam<StreamFormat> {
   fs::path partial_ = folder_ / "take.partial";
 };
 
-TEST_P(CutTake, OpensAndIsNotWrittenOverAndIsMadeWhole) {
+TEST_P(CutTake, TheNextRecordingOfTheNameSetsItAside) {
+  for (int left = 0; left < 2; ++left) {
+    auto writer = TakeWriter::create(folder_ / "take", made_info(), GetParam());
+    ASSERT_TRUE(writer) << writer.error().context;
+    for (int number = 1; number <= 2; ++number) ASSERT_TRUE(writer->write(made_frame(number)));
+    if (left == 0) continue;  // cut off
+    ASSERT_TRUE(writer->finish());
+  }
+  EXPECT_EQ(whole_frames(folder_ / "take.1.partial"), kCutFrames);
+  EXPECT_EQ(whole_frames(folder_ / "take.2.partial"), 2);
+  EXPECT_EQ(whole_frames(folder_ / "take"), 2);
+  ASSERT_TRUE(repair(folder_ / "take.1.partial"));
+  EXPECT_EQ(whole_frames(folder_ / "take.1"), kCutFrames);
+}
+
+TEST_P(CutTake, OpensAndIsMadeWhole) {
   EXPECT_EQ(whole_frames(partial_), kCutFrames);
-  EXPECT_TRUE(test::refused(TakeWriter::create(folder_ / "take", made_info(), GetParam()),
-                            {"take.partial", "--repair"}, ErrorCode::kUsage));
   const auto made = repair(partial_);
   ASSERT_TRUE(made) << made.error().context;
   EXPECT_EQ(made->take, folder_ / "take");
@@ -110,6 +123,8 @@ TEST_P(CutTake, WhatIsBeingWrittenIsNotRenamed) {
   ASSERT_TRUE(writer->write(made_frame(1)));
   EXPECT_TRUE(
       test::refused(repair(folder_ / "other.partial"), {"still being written"}, ErrorCode::kUsage));
+  EXPECT_TRUE(test::refused(TakeWriter::create(folder_ / "other", made_info(), GetParam()),
+                            {"other.partial", "by another program"}, ErrorCode::kUsage));
   EXPECT_TRUE(writer->finish());
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// mixrig run as a service: what a service manager hears of it (sd_notify), and its exit status.
+// mixrig run as a service: what a service manager hears of it (sd_notify), its exit status, and
+// signals.
 #include <array>
+#include <csignal>
 #include <cstddef>
 
 #include <gtest/gtest.h>
@@ -8,6 +10,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "host/tools/stop_on_signal.h"
 #include "tests/unit/tools/tiny_take.h"
 
 namespace mixrig::test {
@@ -47,6 +50,25 @@ TEST_F(RunAsService, TheFirstCompositeMakesItReady) {
 TEST_F(RunAsService, AMissingSceneIsNoReasonToTryAgainAndNeverReady) {
   EXPECT_EQ(run("none.toml").status, 2) << "RestartPreventExitStatus of mixrig.service";
   EXPECT_EQ(heard(), "");
+}
+
+TEST(StopOnSignal, AClosedTerminalEndsItInGoodOrder) {
+  const tools::StopOnSignal signals;
+  std::raise(SIGPIPE);
+  EXPECT_FALSE(tools::StopOnSignal::flag()) << "nobody reads the output any more";
+  std::raise(SIGHUP);
+  EXPECT_TRUE(tools::StopOnSignal::flag());
+  std::raise(SIGHUP);  // a shell passes it on to its jobs once more
+}
+
+TEST(StopOnSignal, NohupKeepsTheHangupAway) {
+  const auto before = std::signal(SIGHUP, SIG_IGN);
+  {
+    const tools::StopOnSignal signals;
+    std::raise(SIGHUP);
+    EXPECT_FALSE(tools::StopOnSignal::flag());
+  }
+  EXPECT_EQ(std::signal(SIGHUP, before), SIG_IGN);
 }
 
 }  // namespace
