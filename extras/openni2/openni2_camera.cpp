@@ -5,7 +5,9 @@
 #include <utility>
 
 #include "extras/openni2/openni2_device.h"
+#include "hal/base/guarded.h"
 #include "hal/base/log.h"
+#include "hal/device/stream_count.h"
 
 namespace mixrig::device {
 namespace {
@@ -35,7 +37,8 @@ Result<void> OpenNi2Device::start(NiChannel& channel, FrameSink sink) {
     return ready;
   }
   stop_ = false;
-  thread_ = std::thread([this] { work(); });
+  thread_ = guarded_thread(
+      "openni2", [this] { work(); }, log_end_of_driver);
   return {};
 }
 

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "hal/base/guarded.h"
 #include "hal/base/log.h"
 
 namespace mixrig::device {
@@ -11,6 +12,10 @@ namespace {
 constexpr Duration kFindAgain = std::chrono::milliseconds(250);
 
 }  // namespace
+
+void log_end_of_driver(const Error& error) {
+  log_warning("device", error.context + ": no more frames come");
+}
 
 void StreamCount::come_back() {
   health.state = DeviceState::kStreaming;
@@ -37,7 +42,7 @@ bool StreamCount::count(Frame& frame, bool has_buffer) {
 
 void DriverThread::start(std::function<void()> work) {
   stop_ = false;
-  thread_ = std::thread(std::move(work));
+  thread_ = guarded_thread("driver", std::move(work), log_end_of_driver);
 }
 
 bool DriverThread::stop() {

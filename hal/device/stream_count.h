@@ -33,6 +33,9 @@ class StreamCount {
   bool restarted_ = false;
 };
 
+/// Logs what has ended the thread of a driver.
+void log_end_of_driver(const Error& error);
+
 /// The thread of a driver. One thread calls start, stop and runs, any thread stopping; the driver's
 /// own thread calls find_again.
 class DriverThread {
@@ -41,8 +44,9 @@ class DriverThread {
   ~DriverThread() { stop(); }
 
   bool runs() const { return thread_.joinable(); }
-  /// Starts the thread with `work`, which must return soon after stopping() is true. Precondition:
-  /// the thread does not run.
+  /// Starts the thread with `work`, which must return soon after stopping() is true. What it throws
+  /// is logged and ends it: a run whose camera is silent ends. Precondition: the thread does not
+  /// run.
   void start(std::function<void()> work);
   /// Asks `work` to end and returns once it has; false if it did not run.
   bool stop();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 namespace mixrig::fake {
 namespace {
@@ -23,6 +24,7 @@ FakePanTilt::FakePanTilt(Clock& clock) : clock_(clock), moved_(clock.now()) {
 
 /// Counts the command and returns the error of the present fault. Call with the lock held.
 Result<void> FakePanTilt::answer() {
+  if (fault_ == Fault::kThrows) throw std::bad_alloc();
   ++health_.commands;
   if (fault_ == Fault::kSilent) {
     ++health_.timeouts;

@@ -17,6 +17,7 @@ class FakePanTilt final : public device::PanTilt {
     kSilent,   ///< every call fails with kTimeout
     kGarbage,  ///< every call fails with kDevice: an invalid answer
     kStalled,  ///< answers, but does not move
+    kThrows,   ///< every call throws std::bad_alloc
   };
   explicit FakePanTilt(Clock& clock);
 

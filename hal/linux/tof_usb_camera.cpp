@@ -9,7 +9,9 @@
 #include <thread>
 #include <utility>
 
+#include "hal/base/guarded.h"
 #include "hal/base/log.h"
+#include "hal/device/stream_count.h"
 #include "hal/linux/libusb_bulk.h"
 #include "hal/wire/camera/tof_usb_decoder.h"
 
@@ -100,7 +102,12 @@ Result<void> TofUsbCamera::start(FrameSink sink) {
   MIXRIG_TRY(start_stream());
   publish_health(DeviceState::kStreaming);
   stop_ = false;
-  thread_ = std::thread([this] { work(); });
+  thread_ = guarded_thread(
+      "usb", [this] { work(); },
+      [this](const Error& error) {
+        log_end_of_driver(error);
+        publish_health(DeviceState::kFailed);
+      });
   return {};
 }
 

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "hal/base/guarded.h"
+#include "hal/device/stream_count.h"
 #include "hal/linux/gpiod/gpiod_calls.h"
 #include "hal/wire/trigger/software_trigger.h"
 
@@ -59,7 +61,12 @@ class GpiodInput final : public TriggerInput {
     sink_ = std::move(sink);
     stop_ = false;
     set_state(DeviceState::kStreaming);
-    thread_ = std::thread([this] { work(); });
+    thread_ = guarded_thread(
+        "gpiod", [this] { work(); },
+        [this](const Error& error) {
+          log_end_of_driver(error);
+          set_state(DeviceState::kFailed);
+        });
     return {};
   }
   void stop() override {

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "hal/base/guarded.h"
+#include "hal/device/stream_count.h"
+
 namespace mixrig::device {
 
 void SoftwareSchedule::configure(int channel, const TriggerChannel& settings) {
@@ -82,7 +85,8 @@ Result<void> SoftwareTrigger::start() {
   late_max_ = {};
   schedule_.start(clock_.now() + kSoftwareTick);
   stop_ = false;
-  thread_ = std::thread([this] { work(); });
+  thread_ = guarded_thread(
+      "trigger", [this] { work(); }, log_end_of_driver);
   return {};
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/output/viewfinder/viewfinder.h"
 
-#include <future>
 #include <utility>
 
+#include "hal/base/guarded.h"
 #include "host/judge/measure/motion.h"
 #include "host/output/viewfinder/rate_meter.h"
 #include "host/output/viewfinder/screen.h"
@@ -233,23 +233,29 @@ Result<std::unique_ptr<Viewfinder>> Viewfinder::create(const ViewfinderOptions& 
                                                        const Clock& clock,
                                                        ViewfinderReport& report) {
   std::unique_ptr<Viewfinder> made(new Viewfinder(options, source, orders, clock, report));
-  std::promise<std::optional<Error>> opened;
-  auto answer = opened.get_future();
+  const auto opened = std::make_shared<Opened>();
+  auto answer = opened->get_future();
   // SDL wants one thread for a window's whole life.
-  made->thread_ = std::thread([sink = made.get(), opened = std::move(opened)]() mutable {
-    const ViewfinderOptions& wanted = sink->options_;
-    auto window = Window::open(wanted.title, wanted.picture_px, wanted.shares);
-    if (!window) return opened.set_value(window.error());
-    if (wanted.shares && wanted.log == nullptr) sink->share_ = (*window)->share();
-    sink->report_.driver = (*window)->driver();
-    opened.set_value(std::nullopt);
-    const auto done = Loop(*sink, **window).run();
-    if (done) return;
-    sink->error_ = done.error();
-    sink->failed_ = true;
-  });
+  made->thread_ = guarded_thread(
+      "window", [sink = made.get(), opened] { return sink->serve(*opened); },
+      [sink = made.get(), opened](const Error& error) {
+        if (!sink->is_open_) return opened->set_value(error);
+        sink->error_ = error;
+        sink->failed_ = true;
+      });
   if (const auto error = answer.get()) return *error;
   return made;
+}
+
+/// The window's thread. Sets `opened` when the window is there.
+Result<void> Viewfinder::serve(Opened& opened) {
+  MIXRIG_ASSIGN(const auto window,
+                Window::open(options_.title, options_.picture_px, options_.shares));
+  if (options_.shares && options_.log == nullptr) share_ = window->share();
+  report_.driver = window->driver();
+  is_open_ = true;
+  opened.set_value(std::nullopt);
+  return Loop(*this, *window).run();
 }
 
 void Viewfinder::stop() {

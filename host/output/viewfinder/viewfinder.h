@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -71,10 +72,12 @@ class Viewfinder final : public output::CompositeSink {
     HostTime at{};
   };
   class Loop;
+  using Opened = std::promise<std::optional<Error>>;
 
   Viewfinder(const ViewfinderOptions& options, const capture::CaptureSource& source,
              output::RunOrders& orders, const Clock& clock, ViewfinderReport& report);
   void stop();
+  Result<void> serve(Opened& opened);
 
   const ViewfinderOptions options_;
   const capture::CaptureSource& source_;
@@ -86,6 +89,7 @@ class Viewfinder final : public output::CompositeSink {
   render::GlShare share_;
   BoundedQueue<Handed, 1> queue_;
   std::atomic<bool> over_ = false;
+  bool is_open_ = false;  ///< used by the thread alone
   std::atomic<bool> failed_ = false;
   std::optional<Error> error_;  ///< of the thread; read after failed_ is set
   std::thread thread_;

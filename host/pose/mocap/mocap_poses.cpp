@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "hal/base/guarded.h"
 #include "hal/base/log.h"
 
 namespace mixrig::pose {
@@ -32,7 +33,12 @@ class MocapPoses final : public capture::PoseSource {
         track_(std::move(options)),
         receiver_(std::move(receiver)),
         clock_(clock),
-        thread_([this] { listen(); }) {}
+        thread_(guarded_thread(
+            "receiving", [this] { return listen(); },
+            [](const Error& error) {
+              log_warning("pose",
+                          "motion capture: " + to_line(error) + ": no more poses are received");
+            })) {}
   ~MocapPoses() override {
     stop_ = true;
     thread_.join();
@@ -47,15 +53,13 @@ class MocapPoses final : public capture::PoseSource {
   std::optional<capture::PoseStream> stream() const override { return track_.stream(); }
 
  private:
-  void listen() {
+  Result<void> listen() {
     while (!stop_) {
-      const auto frame = receiver_.next(kLook);
-      if (!frame)
-        return log_warning(
-            "pose", "motion capture: " + to_line(frame.error()) + ": no more poses are received");
-      if (*frame) track_.add(**frame, clock_.now());
+      MIXRIG_ASSIGN(const auto frame, receiver_.next(kLook));
+      if (frame) track_.add(*frame, clock_.now());
       track_.set_packets(receiver_.counts());
     }
+    return {};
   }
 
   MocapTrack track_;

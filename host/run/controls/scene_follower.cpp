@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "hal/base/guarded.h"
 #include "hal/base/log.h"
 #include "host/run/session/session.h"
 #include "host/scene/scene_changes.h"
@@ -120,7 +121,9 @@ void SceneFollower::watch() {
   std::unique_lock lock(mutex_);
   while (!wake_.wait_for(lock, kLookInterval, [this] { return ends_; })) {
     lock.unlock();
-    look();
+    const Result<void> done = guarded("reading the scene", [this] { look(); });
+    if (!done)
+      log_warning("session", done.error().context + ": the run goes on with the one before");
     lock.lock();
   }
 }

@@ -8,6 +8,7 @@
 #include "host/capture/live/rig/rig_config.h"
 #include "host/capture/live/rig/rig_edit.h"
 #include "tests/support/progress.h"
+#include "tests/support/refusal.h"
 
 namespace mixrig::live {
 namespace {
@@ -62,6 +63,29 @@ TEST_F(CameraSettingsTest, WhatCannotBeIsOneLine) {
       << far.error().context;
   EXPECT_EQ(settings_.set("color", CameraControl::kZoom, 1).error().code, ErrorCode::kUnsupported);
   EXPECT_EQ(settings_.set("none", CameraControl::kGain, 1).error().code, ErrorCode::kNotFound);
+}
+
+/// A camera whose values cannot be read for lack of memory.
+class NoMemoryCamera final : public device::Camera {
+ public:
+  const device::CameraInfo& info() const override { return info_; }
+  Result<void> start(device::FrameSink) override { return {}; }
+  void stop() override {}
+  Result<void> set(CameraControl, double) override { throw std::bad_alloc(); }
+  Result<double> get(CameraControl) override { throw std::bad_alloc(); }
+  device::StreamHealth health() const override { return {}; }
+
+ private:
+  device::CameraInfo info_{.uri = "fake:", .controls = {{CameraControl::kGain, 1, 8, 1}}};
+};
+
+TEST_F(CameraSettingsTest, WhatACameraThrowsAnswersWhoWaits) {
+  NoMemoryCamera camera;
+  settings_.follow({{"color", &camera}});
+  EXPECT_TRUE(test::refused(settings_.set("color", CameraControl::kGain, 2), {"no memory is left"},
+                            ErrorCode::kIo));
+  settings_.follow({{"color", &camera_}});
+  EXPECT_TRUE(settings_.set("color", CameraControl::kGain, 2)) << "the next ones can be set";
 }
 
 constexpr const char* kRig = R"(format = 1

@@ -3,6 +3,7 @@
 // and two seconds after its end the rig delivers as before. The test controls the time.
 #include <cmath>
 
+#include "tests/support/refusal.h"
 #include "tests/unit/live/session_rig.h"
 
 namespace mixrig::live {
@@ -110,6 +111,21 @@ TEST_F(SessionFault, ASilentHeadLeavesSetsWithoutAnAngleAndComesBack) {
   session_->stop();
   EXPECT_GT(session_->report().pan_tilt.timeouts, 0U);
   EXPECT_GT(session_->report().pan_tilt.noise_bytes, 0U);
+}
+
+TEST_F(SessionFault, WhatAThreadThrowsEndsTheSession) {
+  add_head();
+  ASSERT_TRUE(session_->start());
+  run_and_check(40);
+  EXPECT_TRUE(session_->fault());
+  EXPECT_FALSE(session_->ended());
+  head_->set_fault(fake::FakePanTilt::Fault::kThrows);
+  clock_.advance(10ms);
+  wait([&] { return session_->ended(); });
+  EXPECT_TRUE(
+      test::refused(session_->fault(), {"pan-tilt unit: no memory is left"}, ErrorCode::kIo));
+  EXPECT_FALSE(session_->halt_head()) << "nobody waits for its thread";
+  session_->stop();
 }
 
 TEST_F(SessionFault, ALimitThatTheHeadHitsIsReported) {

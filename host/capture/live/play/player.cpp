@@ -6,6 +6,7 @@
 #include <cstring>
 #include <utility>
 
+#include "hal/base/guarded.h"
 #include "hal/base/log.h"
 
 namespace mixrig::live {
@@ -120,7 +121,12 @@ Result<void> Player::start(Channel& channel, device::FrameSink sink) {
   if (!std::exchange(stop_, false)) return {};
   begin_ = play_at_.value_or(clock_.now());
   if (angles_) angles_->restart();
-  thread_ = std::thread([this] { work(); });
+  thread_ = guarded_thread(
+      "playing", [this] { work(); },
+      [this](const Error& error) {
+        log_warning("rig", to_line(error));
+        end(device::DeviceState::kFailed);
+      });
   return {};
 }
 

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "hal/base/guarded.h"
+#include "hal/base/log.h"
 #include "host/capture/live/rig/rig_edit.h"
 
 namespace mixrig::live {
@@ -28,6 +30,7 @@ void CameraSettings::follow(std::vector<Named> cameras) {
   {
     const std::lock_guard lock(mutex_);
     ends_ = false;
+    fault_.reset();
     for (const Named& one : cameras_) {
       CameraSetup& setup = setups_.emplace_back();
       setup.name = one.name;
@@ -35,7 +38,18 @@ void CameraSettings::follow(std::vector<Named> cameras) {
         setup.settings.push_back({range, std::nullopt});
     }
   }
-  thread_ = std::thread([this] { run(); });
+  thread_ = guarded_thread(
+      "setting the cameras", [this] { run(); }, [this](const Error& error) { fail(error); });
+}
+
+/// Called by the thread that ends: no setting waits for ever.
+void CameraSettings::fail(const Error& error) {
+  log_warning("rig", error.context + ": the cameras keep their settings");
+  const std::lock_guard lock(mutex_);
+  fault_ = error;
+  wish_.reset();
+  answer_ = error;
+  answered_.notify_all();
 }
 
 void CameraSettings::end() {
@@ -76,6 +90,7 @@ Result<void> CameraSettings::set(const std::string& camera, device::CameraContro
                                  double value) {
   std::unique_lock lock(mutex_);
   MIXRIG_ASSIGN(const std::size_t index, check(camera, control, value));
+  if (fault_) return *fault_;
   if (std::exchange(waits_, true))
     return Error{ErrorCode::kData,
                  camera + ": another setting of the camera is being changed: try again"};

@@ -47,7 +47,7 @@ class CameraSettings {
   std::vector<CameraSetup> cameras() const;
   /// Sets a control and returns when the camera has answered. Errors: kNotFound if no such camera
   /// runs, kUsage out of its range, kUnsupported, kDevice; kData while another setting waits for
-  /// its camera.
+  /// its camera; kIo after the thread has failed.
   Result<void> set(const std::string& camera, device::CameraControl control, double value);
 
  private:
@@ -57,6 +57,7 @@ class CameraSettings {
     double value = 0;
   };
   void run();
+  void fail(const Error& error);
   void read();
   Result<std::size_t> check(const std::string& camera, device::CameraControl control,
                             double value) const;
@@ -70,6 +71,7 @@ class CameraSettings {
   std::optional<Wish> wish_;
   bool waits_ = false;  ///< a set() waits for its answer
   std::optional<Result<void>> answer_;
+  std::optional<Error> fault_;  ///< what the thread threw
 };
 
 }  // namespace mixrig::live

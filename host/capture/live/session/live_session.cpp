@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/base/guarded.h"
 #include "host/capture/capture/fisheye.h"
 
 namespace mixrig::live {
@@ -95,7 +96,9 @@ Result<void> LiveSession::start() {
   sets_.open();
   for (Stream& stream : streams_) stream.pairer.restart();  // counters may start again
   running_ = true;
-  sync_thread_ = std::thread([this] { run_sync(); });
+  const auto failed = [this](const Error& error) { fail(error); };
+  sync_thread_ = guarded_thread(
+      "pairing of frames", [this] { run_sync(); }, failed);
   // Cameras first: a camera that waits for a trigger must not miss the first one.
   auto started = start_cameras();
   const auto on_edge = [this](const device::LineEdge& edge) {
@@ -107,9 +110,22 @@ Result<void> LiveSession::start() {
     stop();
     return started;
   }
-  if (devices_.trigger) trigger_thread_ = std::thread([this] { run_trigger(); });
-  if (devices_.pan_tilt) pan_tilt_thread_ = std::thread([this] { run_pan_tilt(); });
+  if (devices_.trigger)
+    trigger_thread_ = guarded_thread(
+        "trigger", [this] { run_trigger(); }, failed);
+  if (devices_.pan_tilt)
+    pan_tilt_thread_ = guarded_thread(
+        "pan-tilt unit", [this] { run_pan_tilt(); }, failed);
   return {};
+}
+
+/// Called by the thread that ends. A command to the head that waits is answered.
+void LiveSession::fail(const Error& error) {
+  const std::lock_guard lock(mutex_);
+  if (!fault_) fault_ = error;
+  head_command_.reset();
+  head_answer_ = error;
+  head_answered_.notify_all();
 }
 
 void LiveSession::push(Event event) {

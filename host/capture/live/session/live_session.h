@@ -62,7 +62,10 @@ class LiveSession {
   Result<void> halt_head();
   /// Whether all cameras have ended by themselves (end of a recording, a failed device) and all
   /// their frames were paired: next() then delivers the remaining sets, then none.
+  /// True also after a fault().
   bool ended() const;
+  /// What a thread of the session threw; the devices may still run, but no more sets are made.
+  Result<void> fault() const;
   SessionReport report() const;
 
  private:
@@ -85,6 +88,7 @@ class LiveSession {
   };
   static constexpr std::size_t kEvents = 64, kSets = 2, kHeld = 4;
 
+  void fail(const Error& error);
   void push(Event event);
   std::uint64_t waiting_events() const;
   void add_stream(const CameraConfig& config, const device::CameraInfo& info);
@@ -138,6 +142,7 @@ class LiveSession {
   std::optional<HeadCommand> head_command_;  ///< waits for the thread of the head
   std::optional<Result<void>> head_answer_;  ///< answer to head_command_
   std::condition_variable head_answered_;
+  std::optional<Error> fault_;
 };
 
 }  // namespace mixrig::live

@@ -16,6 +16,7 @@ Result<void> LiveSession::command_head(const HeadCommand& command) {
   if (!running_ || !devices_.pan_tilt)
     return Error{ErrorCode::kUsage, "there is no running pan-tilt unit to move"};
   std::unique_lock lock(mutex_);
+  if (fault_) return *fault_;
   head_command_ = command;
   head_answer_.reset();
   head_answered_.wait(lock, [this] { return head_answer_.has_value(); });

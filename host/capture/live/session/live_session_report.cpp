@@ -13,7 +13,13 @@ std::uint64_t LiveSession::waiting_events() const {
   return pushed_ - handled - dropped;
 }
 
+Result<void> LiveSession::fault() const {
+  const std::lock_guard lock(mutex_);
+  return fault_ ? Result<void>(*fault_) : Result<void>();
+}
+
 bool LiveSession::ended() const {
+  if (!fault()) return true;
   const auto over = [](const device::StreamHealth& health) {
     return health.state == device::DeviceState::kStopped ||
            health.state == device::DeviceState::kFailed;

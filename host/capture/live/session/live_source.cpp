@@ -143,6 +143,7 @@ Result<bool> LiveSource::read(int number, capture::Capture& capture) {
     const bool ended = session_.ended();
     const auto set = session_.next(ended ? Duration(0) : kSetWait);
     if (!set) {
+      if (ended) MIXRIG_TRY(session_.fault());
       if (ended) return false;
       if (clock_.now() < give_up) continue;
       if (!waits_on()) return silence();

@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 
+#include "hal/base/guarded.h"
 #include "host/capture/live/session/lens_stream.h"
 #include "host/capture/live/session/live_capture.h"
 #include "host/math/image_io/image_io.h"
@@ -171,6 +172,7 @@ Result<std::string> record_sets(LiveSession& session, Recorder& recorder,
       return std::string("disk almost full");
     const bool over = session.ended();
     const auto set = session.next(over ? Duration(0) : kRecordWait);
+    if (!set && over) MIXRIG_TRY(session.fault());
     if (!set && over) return std::string("end of the cameras");
     if (!set) continue;
     const bool first = recorder.frames() == 0;
@@ -196,7 +198,11 @@ Result<RecordReport> record(LiveSession& session, const RigConfig& config, const
   MIXRIG_TRY(recorder.open_tables());
   MIXRIG_TRY(session.start());
   RecordReport report;
-  auto ended = record_sets(session, recorder, options, stop, clock, report.left_out);
+  Result<void> recorded = guarded("recording", [&]() -> Result<void> {
+    MIXRIG_ASSIGN(report.ended,
+                  record_sets(session, recorder, options, stop, clock, report.left_out));
+    return {};
+  });
   session.stop();
   report.session = session.report();
   report.frames = recorder.frames();
@@ -205,13 +211,12 @@ Result<RecordReport> record(LiveSession& session, const RigConfig& config, const
                  "no frames came from the cameras that could be paired: run mixrig diag"};
   // Frames written before an error are kept as a complete, shorter take.
   const Result<void> finished = recorder.finish();
-  if (!finished && ended) ended = finished.error();
-  if (!ended) {
-    Error error = std::move(ended).error();
+  if (!finished && recorded) recorded = finished.error();
+  if (!recorded) {
+    Error error = std::move(recorded).error();
     error.context += ": the take ends after " + std::to_string(report.frames) + " frames";
     return error;
   }
-  report.ended = *std::move(ended);
   return report;
 }
 
