@@ -24,6 +24,7 @@ namespace {
 constexpr std::uint32_t kMostHeader = 8 << 10;
 constexpr std::size_t kMostBuffer = 64 << 10;
 constexpr auto kMostIdle = std::chrono::seconds(30);
+constexpr auto kMostFirstHeader = std::chrono::seconds(5);
 constexpr auto kMostDrain = std::chrono::seconds(2);
 constexpr auto kMostUploadTime = std::chrono::seconds(120);
 
@@ -80,12 +81,12 @@ bool is_http_fault(beast::error_code error) {
 }  // namespace
 
 Connection::Connection(Hub& hub, boost::asio::ip::tcp::socket socket)
-    : hub_(hub), stream_(std::move(socket)), buffer_(kMostBuffer) {
-  ++hub_.connections;
-}
+    : hub_(hub),
+      stream_(std::move(socket)),
+      place_(hub.visitors, remote_address(stream_.socket()), [this] { stream_.close(); }),
+      buffer_(kMostBuffer) {}
 
 Connection::~Connection() {
-  --hub_.connections;
   std::error_code ignored;
   if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
 }
@@ -95,7 +96,8 @@ void Connection::read_header() {
   header_.emplace();
   header_->header_limit(kMostHeader);
   header_->body_limit(kMostUpload);
-  stream_.expires_after(kMostIdle);
+  stream_.expires_after(admitted_ ? kMostIdle : kMostFirstHeader);
+  place_.wait();
   http::async_read_header(stream_, buffer_, *header_,
                           [self = shared_from_this()](beast::error_code error, std::size_t) {
                             self->on_header(error);
@@ -113,6 +115,10 @@ void Connection::on_header(beast::error_code error) {
   const Request request = request_of(header_->get());
   if (const auto visit = first_visit(hub_.guard, request)) return send(*visit, has_body());
   if (const auto refused = refuse(hub_.guard, request)) return send(*refused, has_body());
+  admitted_ = place_.admit();
+  if (!admitted_)
+    return send(refusal(503, "16 connections of this address are in use: close another page"),
+                true);
   if (request.method == Method::kGet && has_body())
     return send(refusal(400, "a GET has no body"), true);
   serve(request);
@@ -209,8 +215,6 @@ void Connection::answer(const Result<void>& done) {
   if (!done) return send(refusal(done.error()));
   send({200, "application/json", R"({"success":true})", {}});
 }
-
-void Connection::turn_away(const Answer& answer) { send(answer, true); }
 
 void Connection::send(const Answer& answer, bool close) {
   response_ = {};

@@ -24,8 +24,6 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Connection(Hub& hub, boost::asio::ip::tcp::socket socket);
   ~Connection();
   void read_header();
-  /// Sends the answer and closes the connection.
-  void turn_away(const Answer& answer);
 
  private:
   void on_header(boost::beast::error_code error);
@@ -40,6 +38,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   Hub& hub_;
   boost::beast::tcp_stream stream_;
+  Visitors::Place place_;
+  bool admitted_ = false;  ///< a request was permitted
   boost::beast::flat_buffer buffer_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::empty_body>> header_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> body_;

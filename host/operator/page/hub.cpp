@@ -6,6 +6,8 @@
 
 #include <boost/asio/post.hpp>
 
+#include "hal/base/guarded.h"
+#include "hal/base/log.h"
 #include "host/operator/page/event_socket.h"
 #include "host/operator/page/osc/osc_port.h"
 #include "host/operator/page/webrtc/webrtc_peer.h"
@@ -24,6 +26,12 @@ Result<void> applied(Operator& op, const Command& command) {
 
 }  // namespace
 
+std::string remote_address(const boost::asio::ip::tcp::socket& socket) {
+  boost::system::error_code error;
+  const auto other = socket.remote_endpoint(error);
+  return error ? std::string() : other.address().to_string();
+}
+
 void Outlet::post(std::function<void()> work) {
   const std::lock_guard lock(mutex_);
   if (io_ != nullptr) boost::asio::post(*io_, std::move(work));
@@ -35,9 +43,16 @@ void Outlet::close() {
 }
 
 void Hub::end_peer(std::shared_ptr<WebrtcPeer> peer) {
-  boost::asio::post(peer_work, [this, peer = std::move(peer)]() mutable {
+  post_peer_work([this, peer = std::move(peer)]() mutable {
     peer.reset();
     outlet->post([this] { --peers; });
+  });
+}
+
+void Hub::post_peer_work(std::function<void()> work) {
+  boost::asio::post(peer_work, [work = std::move(work)] {
+    const Result<void> done = guarded("WebRTC", work);
+    if (!done) log_warning("page", done.error().context);
   });
 }
 

@@ -9,6 +9,7 @@
 #include <set>
 
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/thread_pool.hpp>
 
 #include "hal/base/clock.h"
@@ -17,6 +18,7 @@
 #include "host/operator/page/request.h"
 #include "host/operator/page/route.h"
 #include "host/operator/page/state_json.h"
+#include "host/operator/page/visitors.h"
 #include "host/output/sink/run_orders.h"
 
 namespace mixrig::page {
@@ -40,6 +42,9 @@ class Outlet {
   boost::asio::io_context* io_;
 };
 
+/// Address of the other side; empty where it is gone.
+std::string remote_address(const boost::asio::ip::tcp::socket& socket);
+
 struct Hub {
   Hub(Operator& run, output::RunOrders& run_orders, const Clock& host_clock)
       : op(run),
@@ -57,13 +62,15 @@ struct Hub {
   /// Destroys the peer in `peer_work`, then frees its place among `peers`; null frees the place
   /// only.
   void end_peer(std::shared_ptr<WebrtcPeer> peer);
+  /// Does work in `peer_work`; what it throws is logged.
+  void post_peer_work(std::function<void()> work);
 
   Operator& op;
   output::RunOrders& orders;
   const Clock& clock;
   const std::shared_ptr<Pictures> pictures;
   Guard guard;
-  int connections = 0;
+  Visitors visitors;
   std::set<EventSocket*> sockets;
   std::set<PictureStream*> streams;
   std::set<WebrtcSocket*> peer_sockets;

@@ -2,7 +2,6 @@
 #include "host/operator/page/server.h"
 
 #include <charconv>
-#include <exception>
 #include <thread>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "hal/base/guarded.h"
 #include "hal/base/log.h"
 #include "host/operator/page/connection.h"
 #include "host/operator/page/event_socket.h"
@@ -28,7 +28,6 @@ using asio::ip::tcp;
 
 namespace {
 
-constexpr int kMostConnections = 16;
 constexpr auto kTellEvery = std::chrono::milliseconds(200);
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);
 
@@ -103,7 +102,7 @@ Result<void> Server::Impl::open(const Listen& listen) {
   acceptor.open(wanted.protocol(), error);
   if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
   if (!error) acceptor.bind(wanted, error);
-  if (!error) acceptor.listen(kMostConnections, error);
+  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
   if (error)
     return system_error(ErrorCode::kIo,
                         "cannot serve the page at " + listen.address + ":" +
@@ -129,12 +128,7 @@ void Server::Impl::accept() {
   acceptor.async_accept([this](boost::system::error_code error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
     if (error) return accept_later();
-    const bool full = hub.connections >= kMostConnections;
-    auto connection = std::make_shared<Connection>(hub, std::move(socket));
-    if (full)
-      connection->turn_away(refusal(503, "16 connections are open: close another page"));
-    else
-      connection->read_header();
+    std::make_shared<Connection>(hub, std::move(socket))->read_header();
     accept();
   });
 }
@@ -160,12 +154,9 @@ void Server::Impl::tell_later() {
 /// Serves until the end. An exception of a handler (no memory) only ends its connection.
 void Server::Impl::serve() {
   for (;;) {
-    try {
-      hub.io.run();
-      return;
-    } catch (const std::exception& fault) {
-      log_warning("page", std::string("a connection failed: ") + fault.what());
-    }
+    const Result<void> done = guarded("a connection", [this] { hub.io.run(); });
+    if (done) return;
+    log_warning("page", done.error().context);
   }
 }
 

@@ -28,9 +28,10 @@ Result<Listen> parse_listen(std::string_view text);
 /// Parses the address of --osc-in, which may also be "PORT". Errors: kUsage.
 Result<Listen> parse_osc_listen(std::string_view text);
 
-/// Serves at most 16 connections, headers of 8 KiB, bodies of 64 KiB (a model: 64 MiB, into a
-/// temporary file), 30 s without a request. On the loop-back address the page is for this machine
-/// alone; on another one it needs a token, which url() contains.
+/// Serves at most 16 connections of an address and 32 of all, beside 32 that have sent no permitted
+/// request yet (Visitors), the first header within 5 s, headers of 8 KiB, bodies of 64 KiB (a
+/// model: 64 MiB, into a temporary file), 30 s without a request. On the loop-back address the page
+/// is for this machine alone; on another one it needs a token, which url() contains.
 class Server {
  public:
   /// Starts serving; with `osc_in` it also receives OSC at that address. `run` and `clock` outlive

@@ -12,12 +12,15 @@ namespace mixrig::page {
 namespace beast = boost::beast;
 
 TextSocket::TextSocket(Hub& hub, beast::tcp_stream stream, std::size_t most_message)
-    : hub_(hub), socket_(std::move(stream)) {
+    : hub_(hub),
+      socket_(std::move(stream)),
+      place_(hub.visitors, remote_address(beast::get_lowest_layer(socket_).socket()),
+             [this] { close(); }) {
   socket_.read_message_max(most_message);
-  ++hub_.connections;
+  place_.stay();
 }
 
-TextSocket::~TextSocket() { --hub_.connections; }
+TextSocket::~TextSocket() = default;
 
 void TextSocket::open(Request request) {
   request_ = std::move(request);

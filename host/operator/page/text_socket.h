@@ -43,6 +43,7 @@ class TextSocket : public std::enable_shared_from_this<TextSocket> {
   void write_next();
 
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
+  Visitors::Place place_;
   boost::beast::flat_buffer buffer_;
   Request request_;
   std::deque<std::string> queue_;  ///< the first one is being written

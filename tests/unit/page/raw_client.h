@@ -19,7 +19,9 @@ class RawClient {
  public:
   /// `receive_bytes`: size of the receive buffer; a small one fills up while the client does not
   /// read. 0: the default.
-  explicit RawClient(std::uint16_t port, int receive_bytes = 0) {
+  /// `from`: the client's own address, in host order.
+  explicit RawClient(std::uint16_t port, int receive_bytes = 0,
+                     std::uint32_t from = INADDR_LOOPBACK) {
     socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     if (receive_bytes > 0)
       ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_bytes, sizeof(receive_bytes));
@@ -28,7 +30,13 @@ class RawClient {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(port);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_addr.s_addr = htonl(from);
+    if (from != INADDR_LOOPBACK) {
+      sockaddr_in own = address;
+      own.sin_port = 0;
+      ::bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof(own));
+      address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    }
     connected_ = ::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0;
   }
   RawClient(const RawClient&) = delete;

@@ -198,16 +198,61 @@ TEST_F(PageServer, ALargeMessageEndsItsSocketAlone) {
   EXPECT_FALSE(json::parse(b.message())["data"]["success"].get<bool>());
 }
 
-TEST_F(PageServer, TheSeventeenthConnectionIsTurnedAway) {
+constexpr std::uint32_t kOtherHost = INADDR_LOOPBACK + 1;
+
+TEST_F(PageServer, TheSeventeenthConnectionTakesThePlaceOfTheOneThatIsIdleLongest) {
   std::deque<RawClient> clients;
-  for (int i = 0; i < 16; ++i) {
+  for (int i = 0; i < 17; ++i) {
     clients.emplace_back(server_->port());
     clients.back().send(get("/api/v1/view"));
-    EXPECT_EQ(clients.back().response().status, 200);
+    EXPECT_EQ(clients.back().response().status, 200) << i;
   }
-  EXPECT_EQ(ask("").status, 503);
-  clients.pop_back();
-  EXPECT_TRUE(comes_true([&] { return ask(get("/api/v1/view")).status == 200; }));
+  clients.front().send(get("/api/v1/view"));
+  EXPECT_EQ(clients.front().response().status, 0) << "it was closed";
+  clients[1].send(get("/api/v1/view"));
+  EXPECT_EQ(clients[1].response().status, 200);
+}
+
+TEST_F(PageServer, StreamsKeepTheirPlacesAndAnotherAddressHasItsOwn) {
+  std::deque<RawClient> streams;
+  for (int i = 0; i < 16; ++i) {
+    streams.emplace_back(server_->port(), 0, kOtherHost);
+    streams.back().send(get("/api/v1/picture/composite.mjpeg"));
+    ASSERT_NE(streams.back().read_to("\r\n\r\n"), "");
+  }
+  RawClient more(server_->port(), 0, kOtherHost);
+  more.send(get("/api/v1/view"));
+  EXPECT_EQ(more.response().status, 503);
+  EXPECT_EQ(ask(get("/api/v1/view")).status, 200);
+  streams.pop_back();
+  EXPECT_TRUE(comes_true([&] {
+    RawClient next(server_->port(), 0, kOtherHost);
+    next.send(get("/api/v1/view"));
+    return next.response().status == 200;
+  }));
+}
+
+/// A host that holds 500 connections: silent, with half a header, with a request.
+TEST_F(PageServer, AHostThatHoldsFiveHundredConnectionsLocksNobodyOut) {
+  const std::string half = "GET / HTTP/1.1\r\nHost: ";
+  for (const std::string& sent : {std::string(), half, get("/api/v1/view")})
+    for (const std::uint32_t host : {kOtherHost, std::uint32_t{INADDR_LOOPBACK}}) {
+      std::deque<RawClient> clients;
+      for (int i = 0; i < 500; ++i) clients.emplace_back(server_->port(), 0, host).send(sent);
+      EXPECT_EQ(ask(get("/api/v1/view")).status, 200) << sent;
+    }
+}
+
+TEST_F(PageServer, AHostOfManyConnectionsEndsNoneOfAnotherAddress) {
+  RawClient page(server_->port());
+  page.send(get("/api/v1/view"));
+  EXPECT_EQ(page.response().status, 200);
+  std::deque<RawClient> clients;
+  for (int i = 0; i < 500; ++i)
+    clients.emplace_back(server_->port(), 0, kOtherHost).send(get("/api/v1/view"));
+  EXPECT_EQ(clients.back().response().status, 200) << "the server has taken all of them";
+  page.send(get("/api/v1/view"));
+  EXPECT_EQ(page.response().status, 200);
 }
 
 TEST_F(PageServer, AFrozenPictureStays) {

@@ -36,16 +36,19 @@ std::string status_line(std::string_view status) {
 }  // namespace
 
 PictureStream::PictureStream(Hub& hub, beast::tcp_stream stream, GetPicture wanted)
-    : hub_(hub), stream_(std::move(stream)), wanted_(wanted), patience_(hub.io) {
+    : hub_(hub),
+      stream_(std::move(stream)),
+      place_(hub.visitors, remote_address(stream_.socket()), [this] { stream_.close(); }),
+      wanted_(wanted),
+      patience_(hub.io) {
+  place_.stay();
   hub_.streams.insert(this);
   hub_.pictures->look(wanted_.view);
-  ++hub_.connections;
 }
 
 PictureStream::~PictureStream() {
   hub_.streams.erase(this);
   hub_.pictures->look_away(wanted_.view);
-  --hub_.connections;
 }
 
 void PictureStream::start() {

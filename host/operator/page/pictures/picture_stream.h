@@ -34,6 +34,7 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
 
   Hub& hub_;
   boost::beast::tcp_stream stream_;
+  Visitors::Place place_;
   const GetPicture wanted_;
   boost::asio::steady_timer patience_;  ///< time limit for a single picture
   bool writing_ = false;

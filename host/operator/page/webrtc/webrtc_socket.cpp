@@ -6,6 +6,7 @@
 #include <boost/asio/post.hpp>
 #include <fmt/format.h>
 
+#include "hal/base/guarded.h"
 #include "host/operator/page/json_body.h"
 
 namespace mixrig::page {
@@ -39,19 +40,23 @@ void WebrtcSocket::on_open() {
   if (hub_.peers >= kMostPeers)
     return refuse("two browsers are sent pictures by WebRTC: that is the most");
   ++hub_.peers;
-  boost::asio::post(hub_.peer_work, [self = weak(), &hub = hub_, outlet = hub_.outlet,
-                                     address = address_text(local_address())] {
-    auto made = WebrtcPeer::create(address, [self, outlet](Result<std::string> offer) {
-      outlet->post([self, offer = std::move(offer)]() mutable {
-        if (const auto socket = self.lock()) socket->told(std::move(offer));
+  hub_.post_peer_work(
+      [self = weak(), &hub = hub_, outlet = hub_.outlet, address = address_text(local_address())] {
+        Result<std::shared_ptr<WebrtcPeer>> made = std::shared_ptr<WebrtcPeer>();
+        const auto on_offer = [self, outlet](Result<std::string> offer) {
+          outlet->post([self, offer = std::move(offer)]() mutable {
+            if (const auto socket = self.lock()) socket->told(std::move(offer));
+          });
+        };
+        const Result<void> done =
+            guarded("WebRTC", [&] { made = WebrtcPeer::create(address, on_offer); });
+        if (!done) made = done.error();
+        outlet->post([self, &hub, made = std::move(made)]() mutable {
+          if (const auto socket = self.lock(); socket && !socket->ended_)
+            return socket->begin(std::move(made));
+          hub.end_peer(made ? *std::move(made) : nullptr);
+        });
       });
-    });
-    outlet->post([self, &hub, made = std::move(made)]() mutable {
-      if (const auto socket = self.lock(); socket && !socket->ended_)
-        return socket->begin(std::move(made));
-      hub.end_peer(made ? *std::move(made) : nullptr);
-    });
-  });
 }
 
 void WebrtcSocket::begin(Result<std::shared_ptr<WebrtcPeer>> made) {
@@ -91,9 +96,8 @@ void WebrtcSocket::on_message(const std::string& text) {
   }
   if (!peer_ || answered_) return refuse("there is no offer to answer");
   answered_ = true;
-  boost::asio::post(hub_.peer_work, [peer = peer_, answer = std::get<WebrtcAnswer>(*message)] {
-    peer->take(answer);
-  });
+  hub_.post_peer_work(
+      [peer = peer_, answer = std::get<WebrtcAnswer>(*message)] { peer->take(answer); });
 }
 
 void WebrtcSocket::refuse(const std::string& why) {
