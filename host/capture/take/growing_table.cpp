@@ -52,6 +52,7 @@ Result<void> GrowingTable::append(std::string_view rows) {
 }
 
 std::string_view whole_rows(std::string_view text) {
+  text = text.substr(0, text.find('\0'));
   return text.substr(0, text.rfind('\n') + 1);  // npos + 1 is 0
 }
 

@@ -35,7 +35,8 @@ class GrowingTable {
   std::int64_t bytes_ = 0;
 };
 
-/// The text without a last line that has no end: what is left of a row that was cut off.
+/// The text without a last line that has no end, and up to its first zero byte: a row that was cut
+/// off, or what a power cut leaves of blocks that were not written.
 std::string_view whole_rows(std::string_view text);
 
 }  // namespace mixrig::take

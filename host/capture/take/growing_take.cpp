@@ -8,6 +8,7 @@
 
 #include "hal/base/partial_path.h"
 #include "host/capture/take/bracket_files.h"
+#include "host/capture/take/disk_sync.h"
 #include "host/capture/take/frame_tables.h"
 #include "host/capture/take/manifest.h"
 #include "host/capture/take/streams/depth_steps.h"
@@ -39,6 +40,15 @@ std::string first_lines(const std::string& text, int count) {
     end = line == std::string::npos ? text.size() : line + 1;
   }
   return text.substr(0, end);
+}
+
+/// Replaces a file, on the disk before it has its name.
+Result<void> write_synced(const fs::path& path, const std::string& text) {
+  PartialPath partial(path);
+  MIXRIG_TRY(write_file(partial.path(), text));
+  MIXRIG_TRY(sync_path(partial.path()));
+  MIXRIG_TRY(partial.commit());
+  return sync_path(path.parent_path());
 }
 
 }  // namespace
@@ -182,7 +192,7 @@ Result<void> GrowingTake::State::write_manifest(const GrownTables& tables) {
   if (tables.pictures > 0)
     is.fisheye = {"fisheye/%06d.png", 1, tables.pictures, info.fisheye->rate_hz};
   is.has_poses = is.has_truth = false;
-  return write_file(folder / "take.toml", manifest_text(is));
+  return write_synced(folder / "take.toml", manifest_text(is));
 }
 
 GrowingTake::GrowingTake(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -214,6 +224,7 @@ Result<void> GrowingTake::append(std::span<const capture::Capture> frames, devic
   }
   MIXRIG_TRY(s.write_bracket(bracket, grown));
   MIXRIG_TRY(s.write_tables(grown));
+  MIXRIG_TRY(sync_disk_of(s.folder));  // the manifest never names what a power cut can take
   MIXRIG_TRY(s.write_manifest(grown));
   s.grown = std::move(grown);
   return {};

@@ -14,8 +14,8 @@ namespace mixrig::take {
 /// Writes numbered PNG pictures, pan_tilt.csv and, if frames have a fisheye's picture, its stream
 /// with fisheye.csv and the frames' times in ticks.csv. When a take is continued its times go on a
 /// second after its last frame. The manifest, which counts the frames, is replaced last: however
-/// the process ends, the folder is the take as it was after the last append(). Before the first
-/// append() it is not a take. Not thread-safe.
+/// the process or the power ends, the folder is the take as it was after the last append(). Before
+/// the first append() it is not a take. Not thread-safe.
 class GrowingTake {
  public:
   /// Continues the take in `folder`, or begins one if there is no take.toml; for `info` see

@@ -117,6 +117,18 @@ TEST_P(CutTake, ARowWithoutAnEndIsLeftOut) {
   EXPECT_EQ(whole_frames(folder_ / "take"), kCutFrames - 1);
 }
 
+TEST_P(CutTake, ZerosOfAPowerCutAreLeftOut) {
+  const std::string poses = test::read_bytes(partial_ / "poses.txt");
+  folder_.write("take.partial/poses.txt", poses + std::string(4096, '\0'));
+  EXPECT_EQ(whole_frames(partial_), kCutFrames);
+  folder_.write("take.partial/poses.txt",
+                poses.substr(0, poses.size() - 5) + std::string(4096, '\0') + "\n");
+  EXPECT_EQ(whole_frames(partial_), kCutFrames - 1);
+  ASSERT_TRUE(repair(partial_));
+  EXPECT_EQ(whole_frames(folder_ / "take"), kCutFrames - 1);
+  EXPECT_EQ(test::read_bytes(folder_ / "take/poses.txt").find('\0'), std::string::npos);
+}
+
 TEST_P(CutTake, WhatIsBeingWrittenIsNotRenamed) {
   auto writer = TakeWriter::create(folder_ / "other", made_info(), GetParam());
   ASSERT_TRUE(writer);
