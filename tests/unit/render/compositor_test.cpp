@@ -103,25 +103,30 @@ TEST(Compositor, an_object_has_a_pixel_that_it_covers_by_more_than_half) {
   EXPECT_NE(more.layer.at(16, 32), kVirtualLayer);
 }
 
+/// A soft border in the plate, with another share of the person in each pixel and each frame.
 TEST(Compositor, a_pixel_half_a_person_before_an_object_shows_no_wall) {
-  Stage stage(3);
-  stage.add_person(2);
-  for (int y = 0; y < 64; ++y)
-    for (int x = 31; x < 34; ++x) {  // a soft border, another share of the person in each pixel
-      const float share = static_cast<float>(3 * y + x - 31) / 192;
-      const auto mixed = [&](int person) {
-        return static_cast<std::uint8_t>(128 + share * (static_cast<float>(person) - 128));
-      };
-      stage.plate.at(x, y) = {mixed(20), mixed(20), mixed(200)};
-    }
-  const auto out = stage.compose();
+  constexpr int kFrames = 8;
   int half = 0;
-  for (int y = 20; y < 44; ++y)
-    for (int x = 20; x < 44; ++x) {
-      half += out.matte.at(x, y) >= 125 && out.matte.at(x, y) < 128;
-      EXPECT_NE(out.layer.at(x, y), 0) << x << "," << y << " matte " << int{out.matte.at(x, y)};
-      EXPECT_LT(out.mixed_depth_m.at(x, y), 3.01F) << x << "," << y;
-    }
+  for (int frame = 0; frame < kFrames; ++frame) {
+    Stage stage(3);
+    stage.add_person(2);
+    for (int y = 0; y < 64; ++y)
+      for (int x = 31; x < 34; ++x) {
+        const int step = (3 * y + x - 31) * kFrames + frame;
+        const float share = static_cast<float>(step) / (192 * kFrames);
+        const auto mixed = [&](int person) {
+          return static_cast<std::uint8_t>(128 + share * (static_cast<float>(person) - 128));
+        };
+        stage.plate.at(x, y) = {mixed(20), mixed(20), mixed(200)};
+      }
+    const auto out = stage.compose();
+    for (int y = 20; y < 44; ++y)
+      for (int x = 20; x < 44; ++x) {
+        half += out.matte.at(x, y) >= 125 && out.matte.at(x, y) < 128;
+        EXPECT_NE(out.layer.at(x, y), 0) << x << "," << y << " matte " << int{out.matte.at(x, y)};
+        EXPECT_LT(out.mixed_depth_m.at(x, y), 3.01F) << x << "," << y;
+      }
+  }
   EXPECT_GT(half, 0);
 }
 
