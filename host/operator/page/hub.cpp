@@ -49,9 +49,9 @@ void Hub::end_peer(std::shared_ptr<WebrtcPeer> peer) {
   });
 }
 
-void Hub::post_peer_work(std::function<void()> work) {
-  boost::asio::post(peer_work, [work = std::move(work)] {
-    const Result<void> done = guarded("WebRTC", work);
+void Hub::post_peer_work(std::function<void()> task) {
+  boost::asio::post(peer_work, [task = std::move(task)] {
+    const Result<void> done = guarded("WebRTC", task);
     if (!done) log_warning("page", done.error().context);
   });
 }

@@ -63,7 +63,7 @@ struct Hub {
   /// only.
   void end_peer(std::shared_ptr<WebrtcPeer> peer);
   /// Does work in `peer_work`; what it throws is logged.
-  void post_peer_work(std::function<void()> work);
+  void post_peer_work(std::function<void()> task);
 
   Operator& op;
   output::RunOrders& orders;
