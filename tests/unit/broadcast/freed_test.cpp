@@ -164,7 +164,9 @@ TEST(FreeDReceiver, FollowsTheCameraOfTheFirstPacketAndTellsWhatItLeavesOut) {
   for (int i = 0; i < 6; ++i) {
     const auto packet = receiver->next(std::chrono::seconds(20));
     ASSERT_TRUE(packet) << packet.error().context;
-    if (*packet) EXPECT_EQ((*packet)->camera, 1);
+    if (*packet) {
+      EXPECT_EQ((*packet)->camera, 1);
+    }
   }
   EXPECT_EQ(receiver->counts().packets, 2);
   EXPECT_EQ(receiver->counts().foreign, 2);
