@@ -167,6 +167,7 @@ std::vector<BufferLine> buffers_of(const Session& session, const render::Tables&
   add(lines, "plate map", tables.plate_px);
   add(lines, "plate gain", tables.plate_gain);
   add(lines, "key limit", tables.key_limit_w);
+  add(lines, "key limit of reflections", tables.hole_behind_w);
   add(lines, "background as light falls on it", tables.light_depth_m);
   add(lines, "background normals", tables.background_normal);
   if (session.background) {

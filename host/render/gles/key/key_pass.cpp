@@ -2,6 +2,7 @@
 #include "host/render/gles/key/key_pass.h"
 
 #include <cmath>
+#include <utility>
 
 #include "host/render/frame/people_motion.h"
 
