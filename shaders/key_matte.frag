@@ -9,7 +9,7 @@
 //   learned      background colour, linear, red negative where unknown
 //   w            1/m, negative where a cut cell drew it; 0 unknown
 //   light        of key_light.frag, for a still camera
-//   plate_before, matte_before  of the frame before; motion_px of each cell since then
+//   plate_before, matte_before  of the frame before
 //   matte        people, 0..1
 //   visible_w    inverse depth of the visible real surface, 1/m, 0 unknown
 #include "common/precision.glsl"
@@ -28,11 +28,9 @@ layout(binding = 7) uniform sampler2D people;
 layout(binding = 8) uniform sampler2D learned;
 layout(binding = 9) uniform sampler2D plate_before;
 layout(binding = 10) uniform sampler2D matte_before;
-layout(binding = 11) uniform sampler2D motion_px;
-layout(binding = 12) uniform sampler2D light;
+layout(binding = 11) uniform sampler2D light;
 uniform bool refine, has_learned, has_before, has_light;
-uniform int cell_px, reach_px;
-uniform float before_share, alike;
+uniform int reach_px;
 uniform int tile_px;
 uniform vec2 parallax_px_m;
 layout(location = 0) out float matte;
@@ -147,19 +145,18 @@ float people_w(ivec2 at, float own, bool is_cut, float otherwise) {
   return near.px <= fill_reach_px ? near.w : otherwise;
 }
 
-// Share of the previous matte `from` pixels away, by how alike 3x3 pixels are.
-float share_of_before(ivec2 at, ivec2 from) {
+// Share of the previous matte, by how alike 3x3 pixels are.
+float share_of_before(ivec2 at) {
   ivec2 last = textureSize(plate, 0) - 1;
   float sum = 0.0;
   for (int j = -1; j <= 1; ++j)
     for (int i = -1; i <= 1; ++i) {
       ivec2 here = clamp(at + ivec2(i, j), ivec2(0), last);
-      vec3 a = texelFetch(plate, here, 0).rgb;
-      vec3 b = texelFetch(plate_before, clamp(here - from, ivec2(0), last), 0).rgb;
+      vec3 a = texelFetch(plate, here, 0).rgb, b = texelFetch(plate_before, here, 0).rgb;
       // The roots of the three channels differ by sqrt(6) / 2 times this sum.
       sum += dot(abs(a - b), vec3(1)) * inversesqrt(dot(a + b, vec3(1)) + 2e-5);
     }
-  float off = 255.0 / 27.0 * 1.2247449 * sum / alike;
+  float off = 255.0 / 27.0 * 1.2247449 * sum / before_alike;
   float t = max(0.0, 1.0 - 0.25 * off * off);  // to the fourth: nearly exp(-off * off)
   return before_share * t * t * t * t;
 }
@@ -177,22 +174,11 @@ bool may_be_people(ivec2 at) {
   return false;
 }
 
-// Blends in the previous matte where the plate has not changed. Where people move, the matte at the
-// same place may only take people away, and the moved one may only add them.
+// Blends in the previous matte where the plate has not changed.
 float steadied(ivec2 at, float now) {
-  ivec2 middle = at / block_px * block_px + block_px / 2;
-  ivec2 cell = min(middle / cell_px, textureSize(motion_px, 0) - 1);
-  ivec2 moved = ivec2(floor(texelFetch(motion_px, cell, 0).xy + 0.5));
-  bool moves = moved != ivec2(0);
-  float then = texelFetch(matte_before, at, 0).r, share = share_of_before(at, ivec2(0));
-  if (then > now && (moves || !may_be_people(at))) share = 0.0;
-  if (moves) {
-    ivec2 from = clamp(at - moved, ivec2(0), textureSize(plate, 0) - 1);
-    float people = texelFetch(matte_before, from, 0).r, share_moved = share_of_before(at, moved);
-    bool joins = people > now && may_be_people(at);
-    if (joins && share_moved > share) share = share_moved, then = people;
-  }
-  return floor(255.0 * mix(now, then, share) + 0.5) / 255.0;
+  float then = texelFetch(matte_before, at, 0).r;
+  if (then == now || (then > now && !may_be_people(at))) return now;
+  return floor(255.0 * mix(now, then, share_of_before(at)) + 0.5) / 255.0;
 }
 
 void main() {

@@ -173,7 +173,6 @@ struct KeySettings {
   double threshold_m = 0.05;  ///< smallest threshold, the depth step that is keyed
   /// The threshold is at least this many standard deviations of the depth noise.
   double noise_factor = 4.0;
-  bool motion = true;  ///< move people's depth to the time of the plate
   bool steady = true;  ///< blend in the last frame's matte where the plate did not change
 };
 

@@ -232,7 +232,6 @@ KeySettings read_key(const Table& table) {
   KeySettings key;
   key.threshold_m = table.number_or("threshold_m", key.threshold_m, {0.0, 10.0});
   key.noise_factor = table.number_or("noise_factor", key.noise_factor, {0.0, 100.0});
-  key.motion = table.boolean_or("motion", key.motion);
   key.steady = table.boolean_or("steady", key.steady);
   return key;
 }

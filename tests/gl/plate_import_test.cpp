@@ -60,13 +60,17 @@ ImportedPlanes textures_of(const RawPicture& picture) {
 class DecodePassTest : public GlTest {
  protected:
   void see(Size size) {
-    auto made = DecodePass::create(size);
+    auto made = DecodePass::create();
     ASSERT_TRUE(made) << to_line(made.error());
     pass_.emplace(std::move(*made));
+    color_ = make_texture(size, GL_SRGB8_ALPHA8);
+    auto target = make_target({&color_});
+    ASSERT_TRUE(target) << to_line(target.error());
+    target_ = std::move(*target);
   }
   int differing(const RawPicture& picture) {
-    pass_->draw(picture, textures_of(picture));
-    const auto drawn = read(pass_->color());
+    pass_->draw(picture, textures_of(picture), target_);
+    const auto drawn = read(color_);
     int count = 0;
     for (int y = 0; y < drawn.height(); ++y)
       for (int x = 0; x < drawn.width(); ++x) {
@@ -76,6 +80,8 @@ class DecodePassTest : public GlTest {
     return count;
   }
   std::optional<DecodePass> pass_;
+  Texture color_;
+  Target target_;
 };
 
 TEST_F(DecodePassTest, every_layout_becomes_the_bytes_of_the_host) {

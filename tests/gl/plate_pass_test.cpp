@@ -82,6 +82,26 @@ TEST_F(PlatePassTest, second_round_of_buffers_holds_its_own_pictures) {
   }
 }
 
+TEST_F(PlatePassTest, keeps_the_last_view) {
+  render::Tables tables;
+  tables.plate_size = tables.view_size = {2, 1};
+  tables.plate_px = make_image<glm::vec2>({2, 1}, [](int x, int) { return glm::vec2(x, 0); });
+  for (const bool is_view : {true, false}) {
+    tables.plate_is_view = is_view;
+    auto pass = PlatePass::create(tables, true);
+    ASSERT_TRUE(pass);
+    for (std::uint8_t i = 1; i < 5; ++i) {
+      pass->swap();
+      ASSERT_TRUE(pass->upload_plate(Image<Rgb8>({2, 1}, Rgb8{i, 60, 240})));
+      if (pass->draws()) pass->draw();
+      EXPECT_EQ(std::lround(255.0F * read(pass->in_view()).at(1, 0).r), i);
+      if (i > 1) {
+        EXPECT_EQ(std::lround(255.0F * read(pass->last_in_view()).at(1, 0).r), i - 1);
+      }
+    }
+  }
+}
+
 TEST_F(PlatePassTest, drops_what_its_target_held) {
   render::Tables tables;
   tables.plate_size = tables.view_size = {2, 1};

@@ -94,7 +94,6 @@ struct KeyParams {
   float noise_factor = 4.0F;
   bool color = true;
   bool refine = true;  ///< the matte follows the edges of the plate; needs `color`
-  bool motion = true;  ///< moves people's depth to the time of the plate; for a still camera only
   bool steady = true;  ///< blends in the previous matte where the plate has not changed
 };
 
@@ -226,7 +225,6 @@ struct FrameInput {
   std::optional<glm::ivec2> focus_pixel{};
   double time_s = 0;  ///< mid-exposure of the plate, any zero; frames with equal times have no
                       ///< motion between them
-  double depth_delay_s = 0;  ///< mid-exposure of tof_depth_m less that of the plate; 0: not known
   /// Camera motion during the exposure; absent: unknown, no motion blur. Only if the setup's look
   /// has motion.
   std::optional<CameraMotion> motion{};
@@ -239,11 +237,10 @@ struct FrameInput {
   bool objects_shown = true;
 };
 
-/// Which forms of a shared plate a compositor reads.
+/// Which form of a shared plate a compositor reads.
 enum class PlateNeed : std::uint8_t {
-  kDecoded,           ///< FrameInput::plate alone
-  kDecodedAndShared,  ///< the picture in place, and decoded pixels on the host
-  kShared,            ///< the picture in place alone
+  kDecoded,  ///< FrameInput::plate
+  kShared,   ///< the picture in place
 };
 
 enum class Stage {

@@ -193,6 +193,13 @@ inline constexpr float kShareShadow = 0.4F;
 /// Least part of a window that people must fill for a share by colours.
 inline constexpr float kShareLeast = 0.02F;
 
+// --- key: the previous matte is blended in
+/// Share of the previous matte where the plate has not changed.
+inline constexpr float kBeforeShare = 0.7F;
+/// Change of the root of light (of 255, mean over channels and 3x3 pixels) at which that share
+/// falls to 1/e: some times a sensor's noise.
+inline constexpr float kBeforeAlike = 8.0F;
+
 // --- light
 /// Side of a tile, pixels: people's light is found once a tile, since no ToF camera resolves finer.
 inline constexpr int kLightTilePx = 4;

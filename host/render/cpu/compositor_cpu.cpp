@@ -49,7 +49,7 @@ class CpuCompositor final : public Compositor {
   void draw(const FrameInput& input, OutputMask wanted, FrameOutput& output, StageTimes& times);
   void follow(const FrameInput& input);
   void draw_depth(const FrameInput& input, StopWatch& watch);
-  void key_people(const FrameInput& input, const ToneCurve& tone, Image<std::uint8_t>& matte);
+  void key_people(const ToneCurve& tone, Image<std::uint8_t>& matte);
   void draw_background(StopWatch& watch);
   MovingBackground* colors_of_key() const;
   MixInput mix_input(const ToneCurve& tone) const;
@@ -153,7 +153,7 @@ void CpuCompositor::draw(const FrameInput& input, OutputMask wanted, FrameOutput
   const ToneCurve tone = meter_.curve(input.plate);
   watch.lap(Stage::kUpload);
 
-  people_key_.follow(crew_, input, plate_);
+  people_key_.follow(input, plate_);
   // Mix draws over the plate; where the real background is replaced, mix draws everything.
   const bool shows_plate = (output.wanted & kColor) && needed.mix && !setup_.backdrop;
   draw_plate(crew_, input.plate, plate_scratch_, plate_, shows_plate ? &output.color : nullptr);
@@ -163,7 +163,7 @@ void CpuCompositor::draw(const FrameInput& input, OutputMask wanted, FrameOutput
   watch.lap(Stage::kReadback);
 
   if (things_) things_->draw(crew_, moving_background_.get(), watch);
-  if (needed.key) key_people(input, tone, output.matte);
+  if (needed.key) key_people(tone, output.matte);
   watch.lap(Stage::kKey);
   if (things_ && needed.light)
     things_->light_real(crew_, moving_background_.get(), view_w_, output.matte);
@@ -218,9 +218,8 @@ Result<void> CpuCompositor::collect(FrameOutput& output) {
 }
 
 /// Computes the matte and people's depth.
-void CpuCompositor::key_people(const FrameInput& input, const ToneCurve& tone,
-                               Image<std::uint8_t>& matte) {
-  people_key_.key(crew_, input.depth_delay_s,
+void CpuCompositor::key_people(const ToneCurve& tone, Image<std::uint8_t>& matte) {
+  people_key_.key(crew_,
                   {tables_, frame_->params().key, background_, plate_, tone, colors_of_key()},
                   view_w_, matte);
 }

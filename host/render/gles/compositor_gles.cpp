@@ -22,7 +22,7 @@ const ImportedPlanes* GlesCompositor::import_plate(FrameInput& input) {
   }
   state_.imported_plate = planes != nullptr;
   const bool measures = !setup_.objects.empty() && !std::exchange(has_look_, true);
-  const bool on_host = planes == nullptr || measures || state_.plate_need != PlateNeed::kShared;
+  const bool on_host = planes == nullptr || measures;
   if (input.plate.empty() && input.shared != nullptr && on_host)
     input.plate = input.shared->decoded();
   return planes;
@@ -80,7 +80,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, const ImportedPlanes*
   if (things_) MIXRIG_TRY(things_->draw(timer));
   if (passes_.key && needed.key) {
     const StageScope stage(timer, Stage::kKey);
-    key_people(input);
+    key_people();
   }
   if (things_) MIXRIG_TRY(things_->light(passes_.room, key(), needed.light, timer));
   if (things_ && needed.mix) things_->blur(input.motion);
@@ -121,7 +121,7 @@ Result<void> GlesCompositor::upload(const FrameInput& input, bool with_plate) {
   follow(input);
   passes_.take_look(input);
   if (!passes_.room.is_drawn()) tone_ = tone_of(input);
-  if (passes_.key) passes_.key->follow(input, passes_.plate.in_view());
+  if (passes_.key) passes_.key->follow(input, passes_.plate);
   if (with_plate) MIXRIG_TRY(passes_.plate.upload_plate(input.plate));
   passes_.correct.upload_depth(input.tof_depth_m);
   if (passes_.second_depth && !input.tof2_depth_m.empty())
@@ -130,9 +130,9 @@ Result<void> GlesCompositor::upload(const FrameInput& input, bool with_plate) {
 }
 
 /// Draws the matte and people's depth.
-void GlesCompositor::key_people(const FrameInput& input) {
+void GlesCompositor::key_people() {
   const Room& room = passes_.room;
-  passes_.key->draw(frame_->params().key, input.depth_delay_s,
+  passes_.key->draw(frame_->params().key, passes_.plate,
                     {passes_.warp.w(), passes_.plate.in_view(), room.color(), room.color_sigma(),
                      tone_, room.limit_w()});
 }

@@ -58,8 +58,7 @@ Result<void> GlesCompositor::import_plates(PlateImport import) {
     return {};
   }
   imports_.emplace(*calls);
-  const bool looks_at_people = passes_.key && passes_.key->follows();
-  state_.plate_need = looks_at_people ? PlateNeed::kDecodedAndShared : PlateNeed::kShared;
+  state_.plate_need = PlateNeed::kShared;
   state_.why_copied.clear();
   return passes_.plate.prepare_decoding();
 }

@@ -56,7 +56,7 @@ class GlesCompositor final : public Compositor {
   void see_through_lens();
   Result<void> upload(const FrameInput& input, bool with_plate);
   void draw_depth(bool two, StageTimer& timer);
-  void key_people(const FrameInput& input);
+  void key_people();
   Result<void> draw_mix(OutputMask wanted);
   /// Null if nothing is keyed.
   const KeyPass* key() const { return passes_.key ? &passes_.key->pass() : nullptr; }

@@ -19,8 +19,7 @@
 namespace mixrig::render::gles {
 
 struct Passes {
-  /// Makes the passes that the setup needs. Borrows `setup`, `frame` and `hidden`, and `tables` if
-  /// the key follows people. `hidden`: null if no frame hides objects. Sets tables.has_background
+  /// Makes the passes that the setup needs. Borrows `setup`, `frame` and `hidden`. `hidden`: null if no frame hides objects. Sets tables.has_background
   /// and empties images of the tables that only the GPU needs. Errors: those of the passes.
   static Result<Passes> create(const CompositorSetup& setup, Tables& tables,
                                std::span<const ExposureMeter::Place> places,

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "host/render/frame/people_motion.h"
+#include "host/render/frame/frame_before.h"
 #include "host/render/tables/prepare.h"
 #include "host/run/loop/run.h"
 #include "host/run/session/frame_cost.h"
@@ -39,10 +39,8 @@ std::string key_reason(const render::CompositorSetup& setup, render::KeyBy by) {
                               : "foreground against the learned background";
   if (setup.key.color) reason += ", by colour where depth is uncertain";
   if (setup.key.color && setup.key.refine) reason += ", the matte refined by the plate";
-  if (render::follows_people(setup)) {
-    if (setup.key.motion) reason += ", people's depth moved to the time of the plate";
-    if (setup.key.steady) reason += ", the matte before joins where the plate stayed alike";
-  }
+  if (render::joins_mattes(setup))
+    reason += ", the matte before joins where the plate stayed alike";
   if (setup.capture_box && !volume) reason += ", cropped to the capture volume";
   return reason;
 }

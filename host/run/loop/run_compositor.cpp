@@ -30,12 +30,6 @@ class CapturedPlate final : public render::SharedPlate {
   const std::shared_ptr<const capture::CameraPicture>& picture_;  // of a capture that outlives it
 };
 
-/// Delay of depth after the plate, seconds; 0: unknown.
-double depth_delay_s(const capture::Capture& capture) {
-  if (capture.depth_mid_exposure == HostTime{}) return 0;
-  return std::chrono::duration<double>(capture.depth_mid_exposure - capture.mid_exposure).count();
-}
-
 }  // namespace
 
 RunCompositor::RunCompositor(const Session& session, const RunOptions& options,
@@ -144,8 +138,8 @@ Result<void> RunCompositor::compose(const output::Composite& composite, render::
       {plate, depth_m.empty() ? no_depth_m_ : depth_m, composite.world_from_target,
        frame_lens(*composite.capture), composite.world_from_object,
        composite.capture->depth2.depth_m, frame_light(), focus_pixel(), composite.capture->time_s,
-       depth_delay_s(*composite.capture), composite.motion, look_keeper_.look_of(composite),
-       shared ? &shared : nullptr, composite.objects_shown},
+       composite.motion, look_keeper_.look_of(composite), shared ? &shared : nullptr,
+       composite.objects_shown},
       images);
 }
 

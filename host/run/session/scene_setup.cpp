@@ -108,7 +108,6 @@ void set_scene(const scene::Scene& scene, const std::vector<MeshArrays>& meshes,
   setup.key.noise_factor = static_cast<float>(scene.key.noise_factor);
   setup.key.color = rungs.key != scene::KeyRung::kPlain;
   setup.key.refine = rungs.key == scene::KeyRung::kRefined;
-  setup.key.motion = scene.key.motion;
   setup.key.steady = scene.key.steady;
   if (const auto& volume = scene.capture_volume)
     setup.capture_box = {to_glm(volume->min_m), to_glm(volume->max_m),

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// People's depth at the time of the plate, and a matte that is steady: whole frames of the cpu back
-// end, a person before a wall.
+// A matte that is steady: whole frames of the cpu back end, a person before a wall.
 #include <cmath>
 #include <cstdlib>
 
 #include "host/render/cpu/compositor_cpu.h"
-#include "host/render/cpu/key/move_people.h"
 #include "tests/support/count_allocations.h"
 #include "tests/unit/render/helpers.h"
 
@@ -170,19 +168,6 @@ TEST(Steady, of_another_pose_or_time_nothing_joins_and_a_frame_again_is_the_same
   scene.pose.translation_m = {0.1, 0, 0};
   scene.draw(4, 60);
   EXPECT_TRUE(both(31)) << "another pose";
-}
-
-TEST(MovePeople, moves_what_is_before_the_room_and_leaves_unknown) {
-  const Size size{32, 16};
-  Image<float> limit_w(size, 0.3F), w(size, 0.25F), before(size);
-  for (int y = 4; y < 12; ++y)
-    for (int x = 10; x < 20; ++x) w.at(x, y) = 0.5F;
-  const Image<glm::vec2> shift({4, 2}, glm::vec2(3, 0));
-  Crew crew(1);
-  render::cpu::move_people(crew, limit_w, shift, 8, before, w);
-  for (int x = 0; x < size.width; ++x)
-    EXPECT_EQ(w.at(x, 8), x >= 13 && x < 23 ? 0.5F : x >= 10 && x < 13 ? 0.0F : 0.25F) << x;
-  EXPECT_EQ(w.at(15, 2), 0.25F);
 }
 
 }  // namespace

@@ -68,17 +68,17 @@ TEST(Scene, HoldsWhatTheFileSays) {
 TEST(Scene, LookAndTheKeysOfTheFrameBefore) {
   const auto scene = parse_scene(
       "[look]\nchroma = true\nsharpening = true\nmotion = true\nfollow = false\nexposure_ms = 8.5\n"
-      "[key]\nmotion = false\nsteady = false\n",
+      "[key]\nsteady = false\n",
       "scene.toml", true);
   ASSERT_TRUE(scene) << scene.error().context;
   EXPECT_TRUE(scene->look.chroma && scene->look.sharpening && scene->look.motion);
   EXPECT_FALSE(scene->look.grain || scene->look.blur || scene->look.follow);
   EXPECT_EQ(scene->look.exposure_ms, 8.5);
-  EXPECT_FALSE(scene->key.motion || scene->key.steady);
+  EXPECT_FALSE(scene->key.steady);
   const auto none = parse_scene("", "scene.toml", true);
   ASSERT_TRUE(none) << none.error().context;
   EXPECT_FALSE(none->look.chroma || none->look.sharpening || none->look.motion);
-  EXPECT_TRUE(none->key.motion && none->key.steady);
+  EXPECT_TRUE(none->key.steady);
 }
 
 TEST(Scene, AnEmptyFileIsAValidSceneOfDefaults) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass key: blends in the previous matte, moved with people, where the plate has not changed.
+// Pass key: blends in the previous matte where the plate has not changed.
 #pragma once
-
-#include <glm/glm.hpp>
 
 #include "hal/base/parallel.h"
 #include "host/render/cpu/key/key_blocks.h"
@@ -14,8 +12,6 @@ namespace mixrig::render::cpu {
 struct FrameBefore {
   const Image<Rgbx16>& plate;
   const Image<std::uint8_t>& matte;
-  const Image<glm::vec2>& motion_px;  ///< from PeopleMotion, one a cell
-  int cell_px = 1;
   /// Size of a ToF pixel in the view: background measured this far on all sides gains no people.
   int reach_px = 1;
 };

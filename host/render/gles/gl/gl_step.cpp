@@ -7,9 +7,10 @@ namespace {
 constexpr int kBlocksUnit = 6;        // of shaders/blocks.vert
 constexpr int kVerticesOfABlock = 6;  // two triangles
 
-void prepare(const Target& target, const Step& step, std::initializer_list<const Texture*> inputs) {
+void prepare(const Target& target, const Program& program,
+             std::initializer_list<const Texture*> inputs) {
   bind(target);
-  step.program.use();
+  program.use();
   int unit = 0;
   for (const Texture* input : inputs) {
     if (input) bind(unit, *input);
@@ -44,24 +45,24 @@ Result<Step> make_block_step(const char* fragment_stage,
 }
 
 void run(const Step& step, std::initializer_list<const Texture*> inputs) {
-  run_into(step.target, step, inputs);
+  run_into(step.target, step.program, inputs);
 }
 
-void run_into(const Target& target, const Step& step,
+void run_into(const Target& target, const Program& program,
               std::initializer_list<const Texture*> inputs) {
-  prepare(target, step, inputs);
+  prepare(target, program, inputs);
   drop_content(target);
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 void run_over(const Step& step, std::initializer_list<const Texture*> inputs) {
-  prepare(step.target, step, inputs);
+  prepare(step.target, step.program, inputs);
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 void run_blocks(const Step& step, const Texture& blocks,
                 std::initializer_list<const Texture*> inputs) {
-  prepare(step.target, step, inputs);
+  prepare(step.target, step.program, inputs);
   bind(kBlocksUnit, blocks);
   glDrawArrays(GL_TRIANGLES, 0, kVerticesOfABlock * static_cast<GLsizei>(blocks.size.area()));
 }

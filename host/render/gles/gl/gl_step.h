@@ -30,8 +30,9 @@ void run(const Step& step, std::initializer_list<const Texture*> inputs);
 /// Draws a step that discards pixels, blends, or is limited by scissors or depth: pixels that it
 /// does not write keep what they held.
 void run_over(const Step& step, std::initializer_list<const Texture*> inputs);
-/// Draws a step, as run() does, into another target than its own.
-void run_into(const Target& target, const Step& step, std::initializer_list<const Texture*> inputs);
+/// Draws with a step's program into any target, as run() does.
+void run_into(const Target& target, const Program& program,
+              std::initializer_list<const Texture*> inputs);
 /// Draws a block step; `blocks` holds the flags. Other blocks keep what they held.
 void run_blocks(const Step& step, const Texture& blocks,
                 std::initializer_list<const Texture*> inputs);

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "host/render/frame/people_motion.h"
-
 namespace mixrig::render::gles {
 namespace {
 
@@ -21,7 +19,7 @@ Texture limits_texture(const Tables& tables) {
 }  // namespace
 
 Result<KeyPass> KeyPass::create(const Tables& tables, LearnedColor learned,
-                                const KeyPassParams& params) {
+                                const KeyPassParams& params, bool joins) {
   KeyPass pass;
   const Size view = tables.view_size;
   const Size blocks{(view.width + kBlockPx - 1) / kBlockPx,
@@ -48,15 +46,12 @@ Result<KeyPass> KeyPass::create(const Tables& tables, LearnedColor learned,
       *image = make_texture(matte_tiles, GL_RGBA32F);
   }
   pass.voted_ = make_texture(view, GL_R8);
-  pass.matte_ = make_texture(view, GL_R8);
-  pass.visible_w_ = make_texture(view, GL_R32F);
   if (pass.use_color_) pass.votes_ = make_texture(tiles, GL_R32F);
   MIXRIG_TRY(pass.make_steps());
+  MIXRIG_TRY(pass.make_finish(tables, joins));
   pass.set_constants(params, learned.with_spread);
   if (pass.use_color_) pass.vote_.program.set("is_still", !tables.key_limit_w.empty());
-  const int matte_tile = matte_tile_px(tables.tof_footprint_px);
-  pass.finish_.program.set("tile_px", matte_tile);
-  if (pass.refine_) pass.sum_tiles_.program.set("tile_px", matte_tile);
+  if (pass.refine_) pass.sum_tiles_.program.set("tile_px", matte_tile_px(tables.tof_footprint_px));
   pass.set_view(tables);
   return pass;
 }
@@ -82,32 +77,27 @@ Result<void> KeyPass::make_steps() {
                                                            &tile_squares_, &tile_products_}));
     MIXRIG_ASSIGN(fit_, make_step("key_lines.frag", {&lines_, &people_}));
   }
-  MIXRIG_ASSIGN(finish_, make_step("key_matte.frag", {&matte_, &visible_w_}));
   return {};
 }
 
-Result<void> KeyPass::follow_people(const Tables& tables, int cell_px, bool steady) {
-  moved_w_ = make_texture(tables.view_size, GL_R32F);
-  MIXRIG_ASSIGN(move_, make_step("move_people.frag", {&moved_w_}));
-  move_.program.set("cell_px", cell_px);
-  if (!steady) return {};
-  plate_before_ = make_texture(tables.view_size, GL_RGBA16F);
-  matte_before_ = make_texture(tables.view_size, GL_R8);
-  MIXRIG_ASSIGN(keep_, make_step("key_keep.frag", {&plate_before_, &matte_before_}));
-  finish_.program.set("cell_px", cell_px);
-  finish_.program.set("reach_px", static_cast<int>(std::lround(tables.tof_footprint_px)));
-  finish_.program.set("before_share", kBeforeShare);
-  finish_.program.set("alike", kAlike);
+/// Makes the last step, which draws matte and visible depth.
+Result<void> KeyPass::make_finish(const Tables& tables, bool joins) {
+  visible_w_ = make_texture(tables.view_size, GL_R32F);
+  for (std::size_t i = 0; i < (joins ? 2U : 1U); ++i) {
+    mattes_[i] = make_texture(tables.view_size, GL_R8);
+    MIXRIG_ASSIGN(finished_[i], make_target({&mattes_[i], &visible_w_}));
+  }
+  MIXRIG_ASSIGN(finish_, make_program("fullscreen.vert", "key_matte.frag"));
+  finish_.set("tile_px", matte_tile_px(tables.tof_footprint_px));
+  finish_.set("reach_px", static_cast<int>(std::lround(tables.tof_footprint_px)));
   return {};
 }
-
-void KeyPass::remember(const Texture& plate) const { run(keep_, {&plate, &matte_}); }
 
 void KeyPass::set_view(const Tables& tables) const {
   const float footprint = tables.tof_footprint_px;
   state_.program.set("focal_px", tables.warp.view.focal_px);
   state_.program.set("center_px", tables.warp.view.center_px);
-  finish_.program.set("parallax_px_m", parallax_px_m(tables.warp));
+  finish_.set("parallax_px_m", parallax_px_m(tables.warp));
   speckles_.program.set("tof_px", footprint * footprint);
   decide_.program.set("tap_px", glm::ivec2(std::lround(0.5F * footprint), std::lround(footprint)));
 }
@@ -124,14 +114,12 @@ void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
   decide_.program.set("use_color", use_color_);
   for (const Step* step : {&blocks_, &speckles_})
     step->program.set("needs_room", use_color_ && !has_learned_);
-  finish_.program.set("refine", refine_);
-  finish_.program.set("has_light", has_light_);
+  finish_.set("refine", refine_);
+  finish_.set("has_light", has_light_);
   if (has_light_) light_tone_ = ToneUniforms(find_light_.program);
-  finish_.program.set("has_learned", has_learned_);
-  matte_tone_ = ToneUniforms(finish_.program);
-  has_before_ = finish_.program.location("has_before");
-  // Not 0: drivers may divide by it before they check that there is no previous frame.
-  finish_.program.set("cell_px", 1);
+  finish_.set("has_learned", has_learned_);
+  matte_tone_ = ToneUniforms(finish_);
+  has_before_ = finish_.location("has_before");
   for (const Step* step : {&state_, &blocks_})
     step->program.set("by_volume", params.by == KeyBy::kVolume);
   state_.program.set("noise_factor", params.noise_factor);
@@ -144,13 +132,11 @@ void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
 
 void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
   const Texture& limit_w = input.limit_w ? *input.limit_w : limit_w_;
-  if (input.shift_px) run(move_, {&input.w, &limit_w, input.shift_px});
-  const Texture& w = input.shift_px ? moved_w_ : input.w;
   state_.program.use();
   set_uniform(world_from_camera_, params.world_from_camera);
   set_uniform(floor_w_, params.floor_w);
-  run(state_, {&w, &limit_w});
-  run(blocks_, {&state_image_, &w, &input.plate, &limit_w});
+  run(state_, {&input.w, &limit_w});
+  run(blocks_, {&state_image_, &input.w, &input.plate, &limit_w});
   run(speckles_, {&counts_, &colors_, &rooms_});
   run(find_deep_, {&kept_counts_, &kept_colors_});
   run(find_band_, {&kept_counts_, &kept_colors_, &kept_rooms_, &deep_});
@@ -173,15 +159,14 @@ void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
     run(sum_tiles_, {&input.plate, &voted_, &band_});
     run(fit_, {&tile_counts_, &tile_with_p_, &tile_squares_, &tile_products_});
   }
-  finish_.program.use();
+  finish_.use();
   matte_tone_.set(input.tone);
-  const bool before = input.motion_px != nullptr;
-  set_uniform(has_before_, before ? 1 : 0);
-  run(finish_,
-      {&voted_, &band_, &state_image_, &kept_counts_, &input.plate, refine_ ? &lines_ : nullptr, &w,
-       refine_ ? &people_ : nullptr, refine_ ? &input.learned : nullptr,
-       before ? &plate_before_ : nullptr, before ? &matte_before_ : nullptr, input.motion_px,
-       has_light_ ? &light_ : nullptr});
+  set_uniform(has_before_, input.plate_before != nullptr);
+  run_into(finished_[now_], finish_,
+           {&voted_, &band_, &state_image_, &kept_counts_, &input.plate,
+            refine_ ? &lines_ : nullptr, &input.w, refine_ ? &people_ : nullptr,
+            refine_ ? &input.learned : nullptr, input.plate_before,
+            input.plate_before ? &mattes_[1 - now_] : nullptr, has_light_ ? &light_ : nullptr});
 }
 
 }  // namespace mixrig::render::gles

@@ -2,6 +2,8 @@
 // Pass key: finds people by depth, and by colour where depth is in doubt.
 #pragma once
 
+#include <array>
+
 #include "host/render/gles/gl/gl_step.h"
 #include "host/render/gles/gl/tone_uniforms.h"
 
@@ -13,11 +15,10 @@ struct KeyInput {
   const Texture& plate;    ///< in the view; linear light when sampled
   const Texture& learned;  ///< the background's colour and its sigma, where learned
   const Texture& learned_sigma;
-  ToneCurve tone{};                   ///< from ExposureMeter
-  const Texture* limit_w = nullptr;   ///< of this frame; null: that of the take
-  const Texture* shift_px = nullptr;  ///< from PeopleMotion; null: people's depth is not moved
-  /// From PeopleMotion, since the frame of remember(); null: unknown.
-  const Texture* motion_px = nullptr;
+  ToneCurve tone{};                  ///< from ExposureMeter
+  const Texture* limit_w = nullptr;  ///< of this frame; null: that of the take
+  /// `plate` of the frame before swap(), whose matte is blended in; null: none.
+  const Texture* plate_before = nullptr;
 };
 
 /// Flags of a block, the same as in key_band.frag.
@@ -30,20 +31,17 @@ struct LearnedColor {
 
 class KeyPass {
  public:
-  /// Precondition: params.by is not KeyBy::kNothing. Errors: those of make_program and make_target.
+  /// With `joins`, swap() keeps a matte. Precondition: params.by is not KeyBy::kNothing. Errors:
+  /// those of make_program and make_target.
   static Result<KeyPass> create(const Tables& tables, LearnedColor learned,
-                                const KeyPassParams& params);
-  /// Prepares for frames with a shift and, with `steady`, a motion, for each cell of `cell_px`
-  /// pixels. Errors: those of create().
-  Result<void> follow_people(const Tables& tables, int cell_px, bool steady);
-  /// Keeps plate and matte of the last draw() for the next frame. Precondition: follow_people()
-  /// with steady.
-  void remember(const Texture& plate) const;
+                                const KeyPassParams& params, bool joins = false);
+  /// Keeps the matte for the next draw(). Precondition: joins.
+  void swap() { now_ = 1 - now_; }
   /// Sets another view of the same size.
   void set_view(const Tables& tables) const;
   void draw(const KeyPassParams& params, const KeyInput& input) const;
 
-  const Texture& matte() const { return matte_; }  ///< GL_R8
+  const Texture& matte() const { return mattes_[now_]; }  ///< GL_R8
   /// One texel a block of kBlockPx; its first channel holds BlockFlags as a number.
   const Texture& blocks() const { return band_; }
   /// One texel a block: mean colour of the background around, where none was learned, and its
@@ -54,6 +52,7 @@ class KeyPass {
 
  private:
   Result<void> make_steps();
+  Result<void> make_finish(const Tables& tables, bool joins);
   void set_constants(const KeyPassParams& params, bool has_sigma);
 
   bool use_color_ = false, has_learned_ = false, refine_ = false;
@@ -63,9 +62,13 @@ class KeyPass {
   Texture tile_counts_, tile_with_p_, tile_squares_, tile_products_, lines_,
       people_;  ///< one texel a tile
   Texture found_light_, light_;
-  Texture matte_, visible_w_, moved_w_, plate_before_, matte_before_;
-  Step move_, keep_, state_, blocks_, speckles_, find_deep_, find_band_, fill_, vote_, decide_,
-      sum_tiles_, fit_, finish_, find_light_, mean_light_;
+  std::size_t now_ = 0;
+  std::array<Texture, 2> mattes_;  ///< the second one is empty unless swap() needs it
+  std::array<Target, 2> finished_;
+  Texture visible_w_;
+  Program finish_;
+  Step state_, blocks_, speckles_, find_deep_, find_band_, fill_, vote_, decide_, sum_tiles_, fit_,
+      find_light_, mean_light_;
   GLint world_from_camera_ = -1, floor_w_ = -1, has_before_ = -1;
   ToneUniforms tone_, matte_tone_, light_tone_;
 };

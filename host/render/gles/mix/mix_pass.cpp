@@ -67,7 +67,7 @@ Result<void> MixPass::draw(const MixInput& input, OutputMask wanted) {
   set_uniform(grain_offset_, input.grain_offset);
   set_uniform(grain_floor_, input.grain.floor);
   set_uniform(grain_slope_, input.grain.slope);
-  run_into(target(), step_,
+  run_into(target(), step_.program,
            {input.plate, input.matte, input.visible_w, input.background_m, input.learned,
             input.light, input.virtual_color, input.virtual_w, input.room,
             backdrop_.size.empty() ? nullptr : &backdrop_, input.noise});

@@ -47,7 +47,7 @@ void CorrectPass::draw_depth() const {
 
 void CorrectPass::draw_into(const Target& vertices) const {
   draw_depth();
-  run_into(vertices, link_, {&z_, &step_});
+  run_into(vertices, link_.program, {&z_, &step_});
 }
 
 }  // namespace mixrig::render::gles

@@ -16,7 +16,7 @@ class CorrectPass {
   /// The pass in two halves: corrected depths, then links between depths z_m, which are z_m() or
   /// those of pass agree.
   void draw_depth() const;
-  void link(const Texture& z_m) const { run_into(link_.target, link_, {&z_m, &step_}); }
+  void link(const Texture& z_m) const { run_into(link_.target, link_.program, {&z_m, &step_}); }
   const Texture& tof_ray() const { return ray_; }
   /// z as measured, without stray pieces, GL_R32F, metres, 0 unknown.
   const Texture& raw_z_m() const { return raw_z_; }

@@ -14,18 +14,16 @@ ImageView<const Rgbx8> row_of(const SampleTable& table) {
 
 }  // namespace
 
-Result<DecodePass> DecodePass::create(Size size) {
+Result<DecodePass> DecodePass::create() {
   DecodePass pass;
-  // Holds the picture as sRGB bytes; sampling filters in linear light.
-  pass.color_ = make_texture(size, GL_SRGB8_ALPHA8, Sampling::kLinear);
   for (std::size_t i = 0; i < pass.table_.size(); ++i) {
     const auto byte = static_cast<std::uint8_t>(i);
     pass.table_[i] = {byte, byte, byte, 255};
   }
   pass.ramp_ = make_texture(row_of(pass.table_), GL_SRGB8_ALPHA8);
   pass.samples_ = make_texture(row_of(pass.table_), GL_RGBA8);
-  MIXRIG_ASSIGN(pass.step_, make_step("decode.frag", {&pass.color_}));
-  const Program& program = pass.step_.program;
+  MIXRIG_ASSIGN(pass.program_, make_program("fullscreen.vert", "decode.frag"));
+  const Program& program = pass.program_;
   pass.at_ = {program.location("is_yuyv"),    program.location("is_nv12"),
               program.location("is_bayer"),   program.location("has_samples"),
               program.location("size"),       program.location("red_at"),
@@ -47,16 +45,17 @@ void DecodePass::set_layout(const RawPicture& picture) {
   set_uniform(at_.green_shift, glm::ivec3(yuv.green_u, yuv.green_v, yuv.shift));
 }
 
-void DecodePass::draw(const RawPicture& picture, const ImportedPlanes& planes) {
+void DecodePass::draw(const RawPicture& picture, const ImportedPlanes& planes,
+                      const Target& plate) {
   if (picture.samples != nullptr &&
       std::memcmp(picture.samples->data(), table_.data(), sizeof(table_)) != 0) {
     table_ = *picture.samples;
     upload(samples_, row_of(table_));
   }
-  step_.program.use();
+  program_.use();
   set_layout(picture);
   const bool two = picture.layout == RawLayout::kNv12;
-  run(step_, {planes.data(), two ? &planes[1] : nullptr, &samples_, &ramp_});
+  run_into(plate, program_, {planes.data(), two ? &planes[1] : nullptr, &samples_, &ramp_});
 }
 
 }  // namespace mixrig::render::gles

@@ -10,12 +10,10 @@ namespace mixrig::render::gles {
 
 class DecodePass {
  public:
-  /// Errors: those of make_step.
-  static Result<DecodePass> create(Size size);
-  /// Decodes a picture. Precondition: `picture` has the size of the pass. Changes texture bindings.
-  void draw(const RawPicture& picture, const ImportedPlanes& planes);
-  /// The decoded plate, GL_SRGB8_ALPHA8, sampled linearly.
-  const Texture& color() const { return color_; }
+  /// Errors: those of make_program.
+  static Result<DecodePass> create();
+  /// Decodes a picture into `plate`, a GL_SRGB8_ALPHA8 image of its size. Changes texture bindings.
+  void draw(const RawPicture& picture, const ImportedPlanes& planes, const Target& plate);
 
  private:
   void set_layout(const RawPicture& picture);
@@ -24,8 +22,8 @@ class DecodePass {
   struct Uniforms {
     GLint is_yuyv, is_nv12, is_bayer, has_samples, size, red_at, luma, red_blue, green_shift;
   };
-  Texture color_, samples_, ramp_;
-  Step step_;
+  Texture samples_, ramp_;
+  Program program_;
   Uniforms at_{};
   SampleTable table_{};  ///< the table that `samples_` holds
 };

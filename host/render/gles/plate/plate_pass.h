@@ -3,6 +3,7 @@
 // the lens into the view.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "host/render/gles/gl/gl_step.h"
@@ -13,9 +14,14 @@ namespace mixrig::render::gles {
 
 class PlatePass {
  public:
-  static Result<PlatePass> create(const Tables& tables);
-  /// Makes the decoder; call it before the first decode(). Errors: those of make_step.
+  /// With `keeps_last`, swap() keeps a view. Errors: those of make_program and make_target.
+  static Result<PlatePass> create(const Tables& tables, bool keeps_last = false);
+  /// Makes the decoder; call it before the first decode(). Errors: those of DecodePass and
+  /// make_target.
   Result<void> prepare_decoding();
+  /// Makes in_view() last_in_view(); call it before the next plate is taken. Precondition:
+  /// keeps_last.
+  void swap() { now_ = 1 - now_; }
   /// Errors: those of UploadRing.
   Result<void> upload_plate(ImageView<const Rgb8> plate);
   /// Decodes a plate on the GPU, instead of upload_plate().
@@ -23,19 +29,25 @@ class PlatePass {
   /// Uploads the plate pixel of each view pixel, for another lens. Precondition: draws().
   void upload_map(ImageView<const glm::vec2> plate_px) const { upload(map_, plate_px); }
   /// Resamples the plate into the view. Precondition: draws().
-  void draw() const { run(step_, {&plate(), &map_, &gain_}); }
+  void draw() const;
   /// The plate in the view, linear light when sampled.
-  const Texture& in_view() const { return is_view_ ? plate() : view_; }
+  const Texture& in_view() const { return (is_view_ ? plates_ : views_)[now_]; }
+  /// in_view() of before swap(). Precondition: keeps_last.
+  const Texture& last_in_view() const { return (is_view_ ? plates_ : views_)[1 - now_]; }
   bool draws() const { return !is_view_; }
 
  private:
-  /// The plate that was uploaded or decoded last.
-  const Texture& plate() const { return is_decoded_ ? decode_->color() : plate_; }
+  std::size_t plate() const { return is_view_ ? now_ : 0; }
 
-  bool is_view_ = false, is_decoded_ = false;
-  Texture plate_, map_, gain_, view_;
+  bool is_view_ = false;
+  std::size_t now_ = 0;
+  /// The camera's picture, and that in the view; the second ones are empty unless swap() needs
+  /// them.
+  std::array<Texture, 2> plates_, views_;
+  std::array<Target, 2> plate_targets_, view_targets_;
+  Texture map_, gain_;
   UploadRing uploads_;
-  Step step_;
+  Program program_;
   std::optional<DecodePass> decode_;
 };
 
