@@ -156,12 +156,10 @@ class Imports : public test::GlTest {
     const auto calls = render::gles::find_import_calls(*context_);
     ASSERT_TRUE(calls) << context_->renderer() << ": " << to_line(calls.error());
     imports_.emplace(*calls);
-    render::Tables tables;
-    tables.plate_size = tables.view_size = kSize;
-    tables.plate_px = test::make_image<glm::vec2>(kSize, [](int x, int y) {
-      return glm::vec2(1.02F * static_cast<float>(x) - 0.7F, 0.97F * static_cast<float>(y) + 0.4F);
-    });
-    auto pass = render::gles::PlatePass::create(tables);
+    render::CompositorSetup setup;
+    setup.view = {kSize, 1, 1, 0, 0};
+    setup.target.pinhole = {kSize, 1.02, 0.97, -0.7, 0.4};
+    auto pass = render::gles::PlatePass::create(setup, false);
     ASSERT_TRUE(pass) << to_line(pass.error());
     pass_.emplace(std::move(*pass));
     ASSERT_TRUE(pass_->prepare_decoding());

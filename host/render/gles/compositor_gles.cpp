@@ -151,11 +151,7 @@ void GlesCompositor::follow(const FrameInput& input) {
 
 /// Rebuilds what depends on the lens.
 void GlesCompositor::see_through_lens() {
-  constexpr int kRows = 16;
-  crew_->rows(plate_px_.height(), kRows, [&](int begin, int end) {
-    for (int y = begin; y < end; ++y) plate_row(setup_.target, setup_.view, y, plate_px_.row(y));
-  });
-  passes_.plate.upload_map(plate_px_);
+  passes_.plate.set_lens(setup_.target, setup_.view);
   meter_.see_through(setup_);
   passes_.set_view(setup_, tables_);
 }

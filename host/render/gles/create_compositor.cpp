@@ -19,9 +19,6 @@ GlesCompositor::GlesCompositor(EglContext context, const CompositorSetup& setup)
       meter_(tables_, setup_.background) {
   state_.renderer = context_.renderer();
   for (Frame& frame : flight_.slots()) frame.timer.emplace(context_);
-  if (!setup_.lens_moves) return;
-  crew_.emplace();
-  plate_px_.reset(tables_.view_size);
 }
 
 // GL names must be deleted in the context that made them.

@@ -70,8 +70,6 @@ class GlesCompositor final : public Compositor {
   LensFollower lens_;
   const FramePreparer* frame_ = &frames_.with_objects();  ///< preparer of this frame
   const FramePreparer* room_by_ = nullptr;                ///< preparer when the room was last drawn
-  std::optional<Crew> crew_;                              ///< if the lens moves
-  Image<glm::vec2> plate_px_;                             ///< if the lens moves
   ExposureMeter meter_;
   ToneCurve tone_;
   Passes passes_;

@@ -26,7 +26,7 @@ Result<Passes> Passes::create(const CompositorSetup& setup, Tables& tables,
                               std::span<const ExposureMeter::Place> places,
                               const FrameParams& frame, const HiddenObjects* hidden) {
   Passes passes;
-  MIXRIG_ASSIGN(passes.plate, PlatePass::create(tables, joins_mattes(setup)));
+  MIXRIG_ASSIGN(passes.plate, PlatePass::create(setup, tables.plate_is_view));
   MIXRIG_ASSIGN(passes.correct, CorrectPass::create(tables));
   MIXRIG_ASSIGN(passes.warp, WarpPass::create(tables));
   if (setup.tof2) {
