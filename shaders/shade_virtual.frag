@@ -74,18 +74,19 @@ Samples samples_of(ivec2 at, Nearest nearest, bool of_nearest) {
 
 // Light that samples send to the camera, not exposed.
 vec3 light_of(ivec2 at, Samples sum) {
-  vec3 position_m = ray_of(at) / sum.w;
-  vec3 normal = normalize(sum.normal - vec3(0, 0, 1e-6)), gloss = sum.gloss / sum.albedo.a;
-  Lobe lobe = lobe_of(position_m, normal, gloss.y);
-  Shading light = Shading(diffuse_ambient(normal), vec3(0), vec3(0), vec3(0));
-  if (glossy) add_ambient_gloss(lobe, light);
-  int past_of = -1;
-  float past = 1.0;
+  const float share = 1.0 / float(virtual_samples * virtual_samples);
+  vec3 position_m = ray_of(at) / sum.w, normal = normalize(sum.normal - vec3(0, 0, 1e-6));
+  Surface surface =
+      surface_of(share * sum.albedo.rgb, share * sum.albedo.a, sum.gloss / sum.albedo.a);
+  vec3 light = glossy ? of_ambient(position_m, normal, surface)
+                      : surface.base * diffuse_ambient(normal);
   if (contact_count > 0) {
     Contact contact = contact_at(position_m, normal, 1.0);
-    light.diffuse = contact.open * light.diffuse + contact.sent;
-    light.straight *= contact.open, light.grazing *= contact.open, light.lost *= contact.open;
+    light = contact.open * light + (1.0 - surface.metallic) * surface.base * contact.sent;
   }
+  light += share * sum.emission;
+  int past_of = -1;
+  float past = 1.0;
   for (int i = 0; i < lamp_count; ++i) {
     int whole = lamps[i].map_size_texel.z;
     float seen = 1.0;
@@ -97,14 +98,11 @@ vec3 light_of(ivec2 at, Samples sum) {
     }
     past_of = whole;
     seen *= past * seen_in_room(i, position_m, normal);
-    vec3 of_lamp = irradiance(i, position_m, normal) * seen;
-    light.diffuse += of_lamp;
-    if (glossy && of_lamp != vec3(0)) add_lamp_gloss(i, position_m, lobe, of_lamp, light);
+    vec3 given = irradiance(i, position_m, normal) * seen;
+    if (given == vec3(0)) continue;
+    light += glossy ? of_lamp(i, position_m, normal, surface, given) : surface.base * given;
   }
-  const float share = 1.0 / float(virtual_samples * virtual_samples);
-  vec4 mean = share * sum.albedo;
-  vec3 lit = glossy ? shown(mean.rgb, mean.a, gloss, light) : mean.rgb * light.diffuse;
-  return lit + share * sum.emission;
+  return light;
 }
 
 void main() {

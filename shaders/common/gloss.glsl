@@ -6,14 +6,12 @@ uniform vec3 ambient_terms[ambient_term_count];
 uniform mat3 world_from_camera;
 uniform float lobe_losses[9], lobe_grazings[6];
 
-// The colour of a surface is base (1 - metallic) (diffuse - specular lost) + f0 straight + f90
-// grazing.
-struct Shading {
-  vec3 diffuse, straight, grazing, lost;
-};
-struct Lobe {
-  vec3 normal, to_eye, mirrored;
-  float alpha, across;
+// What a point reflects. Its colour is base (1 - metallic) (1 - specular lost) diffuse + f0 straight
+// + f90 grazing, with lost the part of a dielectric's diffuse light that is reflected.
+struct Surface {
+  vec3 base;  // premultiplied by the coverage
+  float coverage, metallic, specular;
+  float alpha;  // square of the roughness
 };
 
 // Ambient light from a direction, with its bands scaled.
@@ -28,29 +26,37 @@ vec3 ambient_from(vec3 direction, float band1, float band2) {
 }
 vec3 diffuse_ambient(vec3 normal) { return ambient_from(normal, diffuse_band1, diffuse_band2); }
 
-Lobe lobe_of(vec3 position_m, vec3 normal, float roughness) {
-  vec3 to_eye = normalize(-position_m);
-  float side = dot(normal, to_eye), r = max(roughness, least_roughness);
-  return Lobe(normal, to_eye, 2.0 * side * normal - to_eye, r * r, max(side, 1e-3));
+Surface surface_of(vec3 base, float coverage, vec3 gloss) {
+  float r = max(gloss.y, least_roughness);
+  return Surface(base, coverage, gloss.x, gloss.z, r * r);
 }
 
-// Adds the reflection of a lamp that gives `light` to the point.
-void add_lamp_gloss(int i, vec3 position_m, Lobe lobe, vec3 light, inout Shading sum) {
-  vec3 to_lamp = lamps[i].position_m.xyz - position_m;
+// Colour for diffuse light, and shares of reflected light by Schlick's two terms.
+vec3 reflected(Surface s, vec3 diffuse, float lost, vec3 straight, vec3 grazing) {
+  vec3 f0 = mix(vec3(dielectric * s.specular * s.coverage), s.base, s.metallic);
+  float f90 = mix(s.specular, 1.0, s.metallic) * s.coverage;
+  return (1.0 - s.metallic) * (1.0 - s.specular * lost) * s.base * diffuse + f0 * straight +
+         f90 * grazing;
+}
+
+float across_of(vec3 normal, vec3 to_eye) { return max(dot(normal, to_eye), 1e-3); }
+
+// Colour by a lamp that gives `light` to the point.
+vec3 of_lamp(int i, vec3 position_m, vec3 normal, Surface s, vec3 light) {
+  vec3 to_lamp = lamps[i].position_m.xyz - position_m, to_eye = normalize(-position_m);
   float away = max(length(to_lamp), 1e-6), radius = lamps[i].radius_m;
-  float receiver = max(dot(lobe.normal, to_lamp) / away, 1e-3);
-  vec3 middle = normalize(to_lamp / away + lobe.to_eye);
-  float a2 = lobe.alpha * lobe.alpha, seen = 0.5 * radius / away;
+  float receiver = max(dot(normal, to_lamp) / away, 1e-3), across = across_of(normal, to_eye);
+  vec3 middle = normalize(to_lamp / away + to_eye);
+  float a2 = s.alpha * s.alpha, seen = 0.5 * radius / away;
   float wide2 = min(a2 + seen * seen, 1.0);
-  float cosine = clamp(dot(lobe.normal, middle), 0.0, 1.0);
+  float cosine = clamp(dot(normal, middle), 0.0, 1.0);
   float spread = cosine * cosine * (wide2 - 1.0) + 1.0;
-  float mask = receiver * sqrt(lobe.across * lobe.across * (1.0 - a2) + a2) +
-               lobe.across * sqrt(receiver * receiver * (1.0 - a2) + a2);
+  float mask = receiver * sqrt(across * across * (1.0 - a2) + a2) +
+               across * sqrt(receiver * receiver * (1.0 - a2) + a2);
   vec3 mirrored = light * (wide2 / (spread * spread) * 0.5 / mask);
-  float fresnel = pow(1.0 - clamp(dot(lobe.to_eye, middle), 0.0, 1.0), 5.0);
-  sum.straight += mirrored * (1.0 - fresnel);
-  sum.grazing += mirrored * fresnel;
-  sum.lost += light * (dielectric + (1.0 - dielectric) * fresnel);
+  float fresnel = pow(1.0 - clamp(dot(to_eye, middle), 0.0, 1.0), 5.0);
+  return reflected(s, light, dielectric + (1.0 - dielectric) * fresnel,
+                   mirrored * (1.0 - fresnel), mirrored * fresnel);
 }
 
 // Polynomials of host/render/contract/lobe.h.
@@ -61,23 +67,16 @@ float lobe_edge(int i, float r) {
   return lobe_grazings[i] + r * (lobe_grazings[i + 1] + r * lobe_grazings[i + 2]);
 }
 
-// Adds the reflected ambient light.
-void add_ambient_gloss(Lobe lobe, inout Shading sum) {
-  vec3 seen = ambient_from(lobe.mirrored, 1.0 + (diffuse_band1 - 1.0) * lobe.alpha,
-                           1.0 + (diffuse_band2 - 1.0) * lobe.alpha);
-  float r = sqrt(lobe.alpha), c = lobe.across, f2 = (1.0 - c) * (1.0 - c);
+// Colour by ambient light.
+vec3 of_ambient(vec3 position_m, vec3 normal, Surface s) {
+  vec3 to_eye = normalize(-position_m);
+  vec3 mirrored = 2.0 * dot(normal, to_eye) * normal - to_eye;
+  vec3 seen = ambient_from(mirrored, 1.0 + (diffuse_band1 - 1.0) * s.alpha,
+                           1.0 + (diffuse_band2 - 1.0) * s.alpha);
+  float r = sqrt(s.alpha), c = across_of(normal, to_eye), f2 = (1.0 - c) * (1.0 - c);
   float all = 1.0 - r * (lobe_loss(0, c) + r * (lobe_loss(3, c) + r * lobe_loss(6, c)));
   float grazing = max(f2 * (lobe_edge(0, r) + f2 * lobe_edge(3, r)), 0.0);
   float straight = max(all - grazing, 0.0);
-  sum.straight += straight * seen;
-  sum.grazing += grazing * seen;
-  sum.lost += (dielectric * straight + grazing) * diffuse_ambient(lobe.normal);
-}
-
-// Colour of a surface: base premultiplied by the coverage, gloss metallic, roughness, specular.
-vec3 shown(vec3 base, float coverage, vec3 gloss, Shading light) {
-  vec3 straight = mix(vec3(dielectric * gloss.z * coverage), base, gloss.x);
-  float grazing = mix(gloss.z, 1.0, gloss.x) * coverage;
-  return (1.0 - gloss.x) * base * max(light.diffuse - gloss.z * light.lost, 0.0) +
-         straight * light.straight + grazing * light.grazing;
+  return reflected(s, diffuse_ambient(normal), dielectric * straight + grazing, straight * seen,
+                   grazing * seen);
 }

@@ -79,12 +79,11 @@ float visibility(int layer, bool past_people, vec3 position_m, vec3 normal) {
   int size_texel = lamps[i].map_size_texel.x;
   if (size_texel == 0) return 1.0;
   float focal = lamps[i].map_focal_texel, near_m = lamps[i].casters_near_m;
-  mat4 lamp_from_camera = lamps[i].lamp_from_camera;
-  float unmoved_z = (lamp_from_camera * vec4(position_m, 1.0)).z;
-  if (unmoved_z <= near_m) return 1.0;
+  vec3 p = (lamps[i].lamp_from_camera * vec4(position_m, 1.0)).xyz;
+  if (p.z <= near_m) return 1.0;
   // A texel spans z / focal metres; lifting by lift_texels moves the point off its own surface.
-  vec3 lifted_m = position_m + lift_texels * unmoved_z / focal * normal;
-  vec3 p = (lamp_from_camera * vec4(lifted_m, 1.0)).xyz;
+  vec3 n = mat3(lamps[i].lamp_from_camera) * normal;
+  p += lift_texels * p.z / focal * n;
   if (p.z <= near_m) return 1.0;
   vec2 center = p.xy * (focal / p.z) + lamps[i].map_center_texel;
   float w = 1.0 / p.z, reach = focal * lamps[i].radius_m;
@@ -97,7 +96,6 @@ float visibility(int layer, bool past_people, vec3 position_m, vec3 normal) {
   vec2 last = float(size_texel - 1) + beside;
   if (any(lessThanEqual(center, -beside)) || any(greaterThanEqual(center, last))) return 1.0;
   // Slope of the surface's plane: inverse depth is affine over it.
-  vec3 n = mat3(lamp_from_camera) * normal;
   vec2 slope = n.xy * (w / (focal * min(dot(n, vec3(ray, 1)), steepest_cosine)));
   bool part = lamps[i].map_size_texel.w != 0;
   Filter f = Filter(layer, size_texel, center, slope, panel, w);
