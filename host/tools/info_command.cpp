@@ -17,6 +17,7 @@
 #include "host/room/scan/room_file.h"
 #include "host/run/report/run_report.h"
 #include "host/tools/command.h"
+#include "host/tools/info_depth.h"
 #include "host/tools/room/info_room.h"
 
 namespace mixrig::tools {
@@ -155,17 +156,21 @@ void print(const take::TakeInfo& info, const DepthStatistics& depth) {
               info.has_truth ? "yes" : "none");
 }
 
-Result<nlohmann::json> info_take(const std::string& folder) {
+Result<nlohmann::json> info_take(const std::string& folder, bool figures) {
   MIXRIG_ASSIGN(const take::TakeReader reader, take::TakeReader::open(folder));
   MIXRIG_ASSIGN(const auto source, take::open_take_source(folder));
   MIXRIG_ASSIGN(const DepthStatistics depth, depth_statistics(*source));
   print(reader.info(), depth);
-  return report_of(reader.info(), depth);
+  nlohmann::json report = report_of(reader.info(), depth);
+  if (figures) {
+    MIXRIG_ASSIGN(report["depth_camera"], info_depth(*source));
+  }
+  return report;
 }
 
 struct InfoArguments {
   std::string of, truth, picture;
-  bool repair = false;
+  bool repair = false, depth = false;
 };
 
 /// Makes a take of what a recording has left, then describes it.
@@ -175,21 +180,26 @@ Result<nlohmann::json> repair(const InfoArguments& arguments) {
                  "--repair takes a recording alone: leave --truth and --picture out"};
   MIXRIG_ASSIGN(const take::Repaired made, take::repair(arguments.of));
   std::printf("%s\n", made.what.c_str());
-  MIXRIG_ASSIGN(nlohmann::json report, info_take(made.take.string()));
+  MIXRIG_ASSIGN(nlohmann::json report, info_take(made.take.string(), arguments.depth));
   report["repaired"] = made.folder.string();
   return report;
 }
 
 Result<nlohmann::json> info(const InfoArguments& arguments) {
   if (arguments.repair) return repair(arguments);
-  if (model::is_room(arguments.of))
+  if (model::is_room(arguments.of)) {
+    if (arguments.depth)
+      return Error{ErrorCode::kUsage, "'" + arguments.of +
+                                          "' is a scanned room: --depth is for a take: give the "
+                                          "take that it was scanned from"};
     return info_room({arguments.of, arguments.truth, arguments.picture});
+  }
   if (!arguments.truth.empty() || !arguments.picture.empty())
     return Error{ErrorCode::kUsage,
                  "'" + arguments.of +
                      "' is not a scanned room: --truth and --picture are for one alone: leave them "
                      "out"};
-  return info_take(arguments.of);
+  return info_take(arguments.of, arguments.depth);
 }
 
 }  // namespace
@@ -202,6 +212,9 @@ void add_info_command(Command app, Context& context) {
       .required();
   command.add_option("--truth", arguments->truth, "of a room: the take it was scanned from");
   command.add_option("--picture", arguments->picture, "of a room: PNG of plan and elevation");
+  command.add_flag("--depth", arguments->depth,
+                   "of a take: the depth camera's noise, flatness of planes, error in corners, "
+                   "flying pixels");
   command.add_flag("--repair", arguments->repair,
                    "of NAME.partial, left by a recording that was cut off: make it the take NAME");
   command.callback(
