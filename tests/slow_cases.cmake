@@ -15,6 +15,7 @@ set(MIXRIG_SLOW_e2e_test
   RigRun.AHeadThatTurnsIsFollowedFromDevicesAsFromTheTake
   RigRun.ARecordingOfAPlayedTakeHoldsItsPixels
   RigRun.EventsAndPlacesArriveWhileALiveRunGoesOn
+  RoomScan.LightBetweenWallsIsTakenOut
   RoomScan.LampsHaveTheirLightWherePlatesWereTakenAtOtherExposures)
 set(MIXRIG_SLOW_calibrate_rig_test
   FirstSquare.may_be_white_in_all_pixels_of_a_rig

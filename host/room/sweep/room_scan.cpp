@@ -217,6 +217,8 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
   scan.world_from_base = sweep.world_from_base;
   scan.read_seconds = reading.seconds();
   const Stopwatch modelling;
+  if (options.modulation_hz > 0)
+    scan.bounced = take_out_bounced_light(tof, options.modulation_hz, sweep.views, crew);
   scan.alignment = model::align(sweep.views, tof, target, kLeastTurn_rad, crew);
   if (options.align)
     for (std::size_t i = 0; i < sweep.views.size(); ++i)

@@ -15,6 +15,7 @@
 #include "host/room/scan/panorama/view_light.h"
 #include "host/room/scan/shape/room_findings.h"
 #include "host/room/scan/shape/room_mesh.h"
+#include "host/room/sweep/sweep_bounce.h"
 
 namespace mixrig::session {
 
@@ -28,6 +29,9 @@ struct RoomScanOptions {
   bool evaluate = false;            ///< compares with the true room that the take holds
   bool align = true;                ///< turns views that do not agree with their neighbours
   std::optional<Size> field_deg{};  ///< field that the sweep was to cover, pan x tilt around ahead
+  /// Modulation frequency of a phase camera: light that walls throw on each other is taken out of
+  /// the distances. 0: it is left in.
+  double modulation_hz = 0;
   model::PanoramaOptions panorama;
   std::optional<double> mesh_tolerance_m{};  ///< replaces model::mesh_tolerance_m()
   int threads = 0;                           ///< 0: one per core
@@ -45,6 +49,7 @@ struct RoomScan {
   model::Alignment alignment;  ///< agreement of the views at the unit's angles or the given poses
   std::vector<model::Finding> findings;
   std::vector<model::FoundExposure> exposures;  ///< exposures of the take's brackets; empty without
+  std::optional<BouncedRoomLight> bounced;      ///< absent without a modulation frequency
   std::optional<DepthReach> depth_reach;        ///< absent unless the calibration has a depth error
   model::RoomMesh mesh;
   std::size_t triangles_raw = 0;  ///< triangles of the grid; the mesh has fewer

@@ -71,6 +71,23 @@ nlohmann::json findings_json(const std::vector<model::Finding>& findings) {
   return list;
 }
 
+nlohmann::json bounced_json(const session::BouncedRoomLight& b) {
+  if (b.removed)
+    std::printf(
+        "light between walls taken out: the room reflects %.2f in the infrared; beside %zu corners "
+        "the depth was off by %.1f mm, now by %.1f mm\n",
+        b.reflectivity, b.corners, b.before_mm, b.after_mm);
+  else
+    std::printf(
+        "light between walls left in: %zu corners between walls show none, or are too few\n",
+        b.corners);
+  return {{"removed", b.removed},
+          {"reflectivity", b.reflectivity},
+          {"corners", b.corners},
+          {"before_mm", b.before_mm},
+          {"after_mm", b.after_mm}};
+}
+
 nlohmann::json reach_json(const session::DepthReach& reach) {
   constexpr double kWorthALine_pct = 5;
   if (reach.beyond_pct > kWorthALine_pct)
@@ -177,6 +194,7 @@ nlohmann::json room_report(const session::RoomScan& room, double write_seconds) 
       {"gains", gains_json(p.gains)},
       {"findings", findings_json(room.findings)}};
   if (!room.exposures.empty()) report["bracket"] = bracket_json(room.exposures);
+  if (room.bounced) report["bounced_light"] = bounced_json(*room.bounced);
   if (room.depth_reach) report["depth_reach"] = reach_json(*room.depth_reach);
   if (room.errors) report["evaluate"] = errors_json(*room.errors);
   if (room.light_errors)

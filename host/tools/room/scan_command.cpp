@@ -35,6 +35,7 @@ struct ScanArguments {
   std::string take, frames, out;
   std::string sweep, rig, field;
   double overlap = 0.1;
+  double modulation_mhz = 0;
   int view_frames = 4, most_views = 0, height_px = 720;
   bool evaluate = false, no_smooth = false, no_planes = false, no_align = false;
   bool no_gains = false;
@@ -103,6 +104,7 @@ Result<nlohmann::json> model_room(const ScanArguments& arguments, const std::fil
   options.panorama.straighten = !arguments.no_planes;
   options.panorama.equalise = !arguments.no_gains;
   options.panorama.height_px = arguments.height_px;
+  options.modulation_hz = 1e6 * arguments.modulation_mhz;
   options.threads = arguments.session.threads;
   if (!arguments.field.empty()) {
     MIXRIG_ASSIGN(options.field_deg, parse_size(arguments.field, "--field"));
@@ -239,6 +241,12 @@ void add_scan_sweep_options(Command command, ScanArguments& arguments) {
                   "Rows of the panorama of a sweep; it has twice as many columns")
       .show_default()
       .range(90, 1440);
+  command
+      .add_option("--modulation", arguments.modulation_mhz,
+                  "MHz of a phase camera: the light that walls throw on each other is taken out of "
+                  "a sweep's distances; 0: it is left in")
+      .show_default()
+      .range(0.0, 1000.0);
   command.add_flag("--no-bracket", arguments.no_bracket,
                    "--rig: one exposure only, also where views saturate or are dark");
   command.add_flag("--keep-sweep", arguments.keep_sweep,
