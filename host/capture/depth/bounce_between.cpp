@@ -25,6 +25,7 @@ constexpr double kMostCell_m2 = 0.2;
 constexpr int kRounds = 2;  ///< the second computes the light from corrected surfaces
 constexpr double kTrialReflectivity = 0.5, kMostReflectivity = 0.9;
 constexpr std::size_t kFewestCorners = 5;
+constexpr double kLeastError_m = 0.004;  ///< beside corners; what their shape alone can make
 constexpr std::size_t kFirstBand = 1, kEndBand = 3;
 
 /// A lit piece of surface.
@@ -157,7 +158,7 @@ CornerError corner_error(std::span<const Image<float>> pictures_m, const PixelRa
 std::optional<double> find_reflectivity(std::span<const Image<float>> pictures_m,
                                         const PixelRays& rays, double modulation_hz) {
   const CornerError before = corner_error(pictures_m, rays);
-  if (before.corners < kFewestCorners || before.error_m >= 0) return std::nullopt;
+  if (before.corners < kFewestCorners || before.error_m > -kLeastError_m) return std::nullopt;
   std::vector<Image<float>> trial(pictures_m.begin(), pictures_m.end());
   for (Image<float>& z_m : trial) take_out_bounce({modulation_hz, kTrialReflectivity}, rays, z_m);
   const CornerError after = corner_error(trial, rays);

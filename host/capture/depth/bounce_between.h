@@ -30,7 +30,7 @@ struct CornerError {
 CornerError corner_error(std::span<const Image<float>> pictures_m, const PixelRays& rays);
 
 /// Finds the reflectivity that straightens the walls beside corners. Nothing where fewer than five
-/// corners are seen, or where no reflectivity up to 0.9 does.
+/// corners are seen, where they are off by less than 4 mm, or where no reflectivity up to 0.9 does.
 std::optional<double> find_reflectivity(std::span<const Image<float>> pictures_m,
                                         const PixelRays& rays, double modulation_hz);
 
