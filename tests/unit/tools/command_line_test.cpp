@@ -87,6 +87,10 @@ TEST(CommandLine, InfoDescribesAScannedRoom) {
   const Outcome refused = take.mixrig("info take --picture plan.png");
   EXPECT_EQ(refused.status, 2);
   EXPECT_NE(refused.err.find("is not a scanned room"), std::string::npos) << refused.err;
+  const Outcome of_room = take.mixrig("info room --depth");
+  EXPECT_EQ(of_room.status, 2);
+  EXPECT_NE(of_room.err.find("give the take that it was scanned from"), std::string::npos)
+      << of_room.err;
   const Outcome no_truth = take.mixrig("info room --truth take");
   EXPECT_NE(no_truth.status, 0);
   EXPECT_NE(no_truth.err.find("truth"), std::string::npos) << no_truth.err;
@@ -97,6 +101,9 @@ TEST(CommandLine, InfoAndExplainDescribeATake) {
   const Outcome info = take.mixrig("info take --json info.json");
   EXPECT_EQ(info.status, 0) << info.err;
   EXPECT_NE(info.out.find("tiny: 4 frames"), std::string::npos) << info.out;
+  const Outcome measured = take.mixrig("info take --depth --json depth.json");
+  EXPECT_NE(measured.out.find("depth camera, 4 pictures"), std::string::npos) << measured.out;
+  EXPECT_NE(take.text_of("depth.json").find("\"depth_camera\""), std::string::npos);
   EXPECT_NE(take.text_of("info.json").find("\"unknown_pct\": 0.0"), std::string::npos);
   const Outcome piped = take.mixrig("info take --json -");  // the report alone
   EXPECT_EQ(piped.status, 0) << piped.err;
