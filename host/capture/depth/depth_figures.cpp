@@ -111,7 +111,8 @@ void DepthMeter::add(ImageView<const float> z_m, ImageView<const float> amplitud
 DepthFigures DepthMeter::figures() const {
   DepthFigures out;
   out.pictures = pictures_, out.planes = planes_, out.corners = corners_, out.steps = steps_;
-  out.unknown_share = static_cast<double>(unknown_) / static_cast<double>(std::max(pixels_, 1UL));
+  out.unknown_share =
+      static_cast<double>(unknown_) / static_cast<double>(std::max(pixels_, std::size_t{1}));
   const auto steps = static_cast<double>(std::max(steps_, std::size_t{1}));
   out.flying_pixels = static_cast<double>(flying_) / steps;
   out.unknown_pixels = static_cast<double>(unknown_at_steps_) / steps;
