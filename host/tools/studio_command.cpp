@@ -33,7 +33,7 @@ struct StudioArguments {
   double square_mm = 70, marker_mm = 0, bend_mm = 0, blur_px = 0.6, noise = 1;
   double tolerance = 0, amplitude_error_mm = 0, pixel_error_mm = 0;
   std::optional<double> depth_error_mm, lens_error_px;
-  bool plain = false, props = false, glossy_object = false;
+  bool plain = false, cold = false, props = false, glossy_object = false;
   int people = 1;
   std::string only, without;
   std::string field = "270x180";
@@ -52,15 +52,17 @@ struct StudioArguments {
 constexpr const char* kBoardScenario = "board";
 constexpr double kLensError_px = 0.3;  ///< of the judged look, at the corners
 
-/// The judged look has every switch on.
+/// The judged look has every switch on but the warm-up: rigs are calibrated and used warm.
 Result<studio::Realism> realism_of(const StudioArguments& arguments) {
-  if (arguments.plain && !(arguments.only.empty() && arguments.without.empty()))
-    return Error{ErrorCode::kUsage, "--plain excludes --only and --without: drop one"};
+  if (arguments.plain && (arguments.cold || !arguments.only.empty() || !arguments.without.empty()))
+    return Error{ErrorCode::kUsage, "--plain excludes --only, --without and --cold: drop one"};
   if (arguments.plain) return studio::Realism{};
   studio::Realism on = studio::Realism::all();
+  on.warm_up = false;
   if (!arguments.only.empty()) {
     MIXRIG_ASSIGN(on, studio::parse_realism(arguments.only));
   }
+  on.warm_up = on.warm_up || arguments.cold;
   MIXRIG_ASSIGN(const studio::Realism off, studio::parse_realism(arguments.without));
   return studio::minus(on, off);
 }
@@ -388,6 +390,8 @@ void add_studio_command(Command app, Context& context) {
                    "A window by night in place of the middle picture: glass without depth");
   command.add_flag("--plain", arguments->plain,
                    "No imperfection but noise: none of the switches of realism");
+  command.add_flag("--cold", arguments->cold,
+                   "The depth camera was switched on 1 to 10 minutes ago: switch warm-up too");
   const std::string switches = studio::names_of(studio::Realism::all());
   command.add_option("--only", arguments->only, "Only these switches of realism: " + switches);
   command.add_option("--without", arguments->without, "All switches of realism but these");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mixrig run` on takes with all imperfections of the studio (docs/reference/studio.md), one per
-// rig. Each has its own bounds, chosen on these seeds (tests/support/seeds.h).
+// `mixrig run` on takes with the judged look of the studio (docs/reference/studio.md), one per rig.
+// Each has its own bounds, chosen on these seeds (tests/support/seeds.h).
 #include <gtest/gtest.h>
 
 #include "tests/e2e/command.h"
