@@ -26,7 +26,9 @@ void check_segments(std::span<const std::byte> bytes) {
     const OpenTrackSegment segment{at(0) & 1U ? OpenTrackEncoding::kCbor : OpenTrackEncoding::kJson,
                                    static_cast<std::uint16_t>(at(1) % 4 * 16383), at(2) % 16 * 64,
                                    (at(0) & 2U) != 0, bytes.subspan(4, size)};
-    if (const auto whole = assembler.add(segment)) check_payload(whole->bytes, whole->encoding);
+    const Sender from{0, static_cast<std::uint16_t>(at(0) >> 6)};
+    if (const auto whole = assembler.add(segment, from))
+      check_payload(whole->bytes, whole->encoding);
     bytes = bytes.subspan(4 + size);
   }
 }

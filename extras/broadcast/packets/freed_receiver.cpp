@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "extras/broadcast/packets/freed_receiver.h"
 
+#include <array>
+
 #include <fmt/format.h>
 
 #include "hal/base/log.h"
@@ -13,27 +15,22 @@ Result<ListenAddress> parse_freed_address(const std::string& uri) {
 
 Result<FreeDReceiver> FreeDReceiver::open(const ListenAddress& address) {
   MIXRIG_ASSIGN(auto socket, UdpReceiver::open("FreeD", address.host, address.port));
-  return FreeDReceiver(std::move(socket), address.number);
+  return FreeDReceiver(std::move(socket), address);
 }
 
 Result<std::optional<FreeDPacket>> FreeDReceiver::next(Duration timeout) {
   std::array<std::byte, kFreeDBytes + 1> buffer;  // one more tells a longer datagram
-  MIXRIG_ASSIGN(const auto bytes, socket_.next(buffer, timeout));
-  if (!bytes) return std::optional<FreeDPacket>();
-  const auto packet = parse_freed(*bytes);
+  MIXRIG_ASSIGN(const auto datagram, socket_.next(buffer, timeout));
+  if (!datagram) return std::optional<FreeDPacket>();
+  const auto packet = parse_freed(datagram->bytes);
   if (!packet) {
     if (counts_.malformed++ == 0)
       log_warning("stream", fmt::format("{} (port {}): such packets are left out",
                                         packet.error().context, port()));
     return std::optional<FreeDPacket>();
   }
-  if (!camera_) camera_ = packet->camera;
-  if (packet->camera != *camera_) {
-    if (counts_.foreign++ == 0 && !stated_)
-      log_warning("stream",
-                  fmt::format("FreeD: cameras {} and {} send to port {}: {} came first and is "
-                              "followed; name one, like {},{}",
-                              *camera_, packet->camera, port(), *camera_, port(), *camera_));
+  if (!followed_.takes(packet->camera, datagram->from.address, port())) {
+    ++counts_.foreign;
     return std::optional<FreeDPacket>();
   }
   ++counts_.packets;

@@ -2,10 +2,10 @@
 // Receives FreeD packets from a camera head or a lens encoder at a port of this machine.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 
+#include "extras/broadcast/packets/followed_sender.h"
 #include "extras/broadcast/packets/freed.h"
 #include "extras/broadcast/packets/udp_receiver.h"
 #include "hal/base/clock.h"
@@ -13,13 +13,12 @@
 
 namespace mixrig::stream {
 
-/// Parses "freed:[HOST:]PORT[,CAMERA]", CAMERA 0..255. Without HOST the loop-back address is used.
-/// Pure. Errors: kUsage.
+/// Parses "freed:[HOST:]PORT[,CAMERA][@SENDER]", CAMERA 0..255. Without HOST the loop-back address
+/// is used. Pure. Errors: kUsage.
 Result<ListenAddress> parse_freed_address(const std::string& uri);
 
-/// Follows the camera of its address; without a number the one of the first packet, and warns once
-/// where others come. Warns once of packets that cannot be read. Not thread-safe. Nothing allocates
-/// after open() but those warnings.
+/// Follows one camera (FollowedSender). Warns once of packets that cannot be read. Not thread-safe.
+/// Nothing allocates after open() but warnings.
 class FreeDReceiver {
  public:
   /// Opens the port; port 0 takes a free one. Errors: kUsage for an address that is not IPv4,
@@ -33,12 +32,11 @@ class FreeDReceiver {
   int port() const { return socket_.port(); }
 
  private:
-  FreeDReceiver(UdpReceiver socket, std::optional<int> camera)
-      : socket_(std::move(socket)), camera_(camera), stated_(camera.has_value()) {}
+  FreeDReceiver(UdpReceiver socket, const ListenAddress& address)
+      : socket_(std::move(socket)), followed_("FreeD", "cameras", address) {}
 
   UdpReceiver socket_;
-  std::optional<int> camera_;
-  bool stated_;  ///< the address names the camera
+  FollowedSender followed_;
   StreamCounts counts_;
 };
 

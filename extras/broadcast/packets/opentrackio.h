@@ -29,7 +29,7 @@ struct OpenTrackSample {
   Uuid sample_id{}, source_id{};
   int source = 1;            ///< 1..200
   std::uint64_t number = 0;  ///< counts the samples
-  std::int64_t time_ns = 0;  ///< time of mid-exposure since 1970
+  std::int64_t time_ns = 0;  ///< time of mid-exposure since 1970, TAI of PTP, else UTC
   /// Kind and state of the clock of `time_ns`.
   struct Synchronization {
     enum class Source : std::uint8_t { kPtp, kNtp } source = Source::kPtp;

@@ -4,75 +4,90 @@
 #include <algorithm>
 
 namespace mixrig::stream {
-namespace {
 
-constexpr int kLateWithin = 16;     // samples: a number farther back is of a sender that restarted
-constexpr int kLostWithin = 0x800;  // farther ahead too
-
-int steps_between(std::uint16_t from, std::uint16_t to) {
-  return static_cast<std::int16_t>(static_cast<std::uint16_t>(to - from));
+OpenTrackAssembler::OpenTrackAssembler() {
+  for (Sample& sample : samples_) sample.bytes.resize(kOpenTrackMostBytes);
 }
 
-}  // namespace
-
-std::optional<OpenTrackPayload> OpenTrackAssembler::add(const OpenTrackSegment& segment) {
-  if (sequence_ && is_late(segment.sequence)) {
-    ++late_;
-    return std::nullopt;
+std::optional<OpenTrackPayload> OpenTrackAssembler::add(const OpenTrackSegment& segment,
+                                                        const Sender& from) {
+  if (segment.offset == 0 && segment.last)
+    return OpenTrackPayload{segment.payload, segment.encoding};
+  Sample& sample = sample_of(segment, from);
+  sample.used = ++adds_;
+  Kept kept = keep(segment, sample);
+  if (kept == Kept::kContradicts) {
+    begin_with_shared(segment, sample);
+    kept = keep(segment, sample);
   }
-  if (!sequence_ || segment.sequence != *sequence_) begin(segment);
-  if (done_) return std::nullopt;
-  if (!keep(segment)) {
-    done_ = true;
-    ++lost_;
-    return std::nullopt;
+  if (kept != Kept::kNew || !sample.size || sample.came != *sample.size) return std::nullopt;
+  return OpenTrackPayload{std::span(sample.bytes).first(*sample.size), sample.encoding};
+}
+
+OpenTrackAssembler::Sample& OpenTrackAssembler::sample_of(const OpenTrackSegment& segment,
+                                                          const Sender& from) {
+  const auto is_of = [&](const Sample& sample) {
+    return sample.used > 0 && sample.sequence == segment.sequence &&
+           sample.from.address == from.address && sample.from.port == from.port;
+  };
+  const auto there = std::find_if(samples_.begin(), samples_.end(), is_of);
+  if (there != samples_.end()) return *there;
+  const auto older = [](const Sample& a, const Sample& b) { return a.used < b.used; };
+  Sample& oldest = *std::min_element(samples_.begin(), samples_.end(), older);
+  begin(segment, from, oldest);
+  return oldest;
+}
+
+void OpenTrackAssembler::begin(const OpenTrackSegment& segment, const Sender& from,
+                               Sample& sample) {
+  sample.from = from;
+  sample.sequence = segment.sequence;
+  sample.encoding = segment.encoding;
+  sample.count = 0;
+  sample.size.reset();
+  sample.came = 0;
+}
+
+void OpenTrackAssembler::begin_with_shared(const OpenTrackSegment& segment, Sample& sample) {
+  const auto end = sample.parts.begin() + static_cast<std::ptrdiff_t>(sample.count);
+  const auto shared =
+      std::stable_partition(sample.parts.begin(), end, [](const Part& part) { return part.again; });
+  const auto count = static_cast<std::size_t>(shared - sample.parts.begin());
+  begin(segment, sample.from, sample);
+  for (std::size_t i = 0; i < count; ++i) {
+    Part& part = sample.parts[i];
+    part.again = false;
+    sample.came += part.size;
+    if (part.last) sample.size = part.offset + part.size;
   }
-  if (!is_whole()) return std::nullopt;
-  done_ = true;
-  return OpenTrackPayload{std::span(bytes_).first(*size_), encoding_};
+  sample.count = count;
 }
 
-bool OpenTrackAssembler::is_late(std::uint16_t sequence) const {
-  const int step = steps_between(*sequence_, sequence);
-  return (step < 0 && step >= -kLateWithin) || (step == 0 && done_);
-}
-
-void OpenTrackAssembler::begin(const OpenTrackSegment& segment) {
-  if (sequence_) {
-    const int step = steps_between(*sequence_, segment.sequence);
-    if (step > 0 && step < kLostWithin) lost_ += step - 1;
-    if (!done_) ++lost_;
-  }
-  sequence_ = segment.sequence;
-  encoding_ = segment.encoding;
-  done_ = false;
-  count_ = 0;
-  size_.reset();
-  came_ = 0;
-}
-
-bool OpenTrackAssembler::keep(const OpenTrackSegment& segment) {
+OpenTrackAssembler::Kept OpenTrackAssembler::keep(const OpenTrackSegment& segment, Sample& sample) {
   const auto size = static_cast<std::uint32_t>(segment.payload.size());
-  if (segment.encoding != encoding_ || segment.offset > kOpenTrackMostBytes ||
+  if (segment.encoding != sample.encoding || segment.offset > kOpenTrackMostBytes ||
       size > kOpenTrackMostBytes - segment.offset)
-    return false;
+    return Kept::kContradicts;
   const std::uint32_t end = segment.offset + size;
-  if (segment.last && size_ && *size_ != end) return false;
-  if (segment.last) size_ = end;
-  if (size_ && end > *size_) return false;
-  for (std::size_t i = 0; i < count_; ++i) {
-    if (parts_[i].offset == segment.offset && parts_[i].size == size) return true;  // once more
-    if (segment.offset < parts_[i].offset + parts_[i].size && parts_[i].offset < end) return false;
+  const auto at = sample.bytes.begin() + static_cast<std::ptrdiff_t>(segment.offset);
+  for (std::size_t i = 0; i < sample.count; ++i) {
+    Part& part = sample.parts[i];
+    if (part.offset == segment.offset && part.size == size && part.last == segment.last) {
+      if (!std::equal(segment.payload.begin(), segment.payload.end(), at))
+        return Kept::kContradicts;
+      part.again = true;
+      return Kept::kAgain;
+    }
+    if (segment.offset < part.offset + part.size && part.offset < end) return Kept::kContradicts;
   }
-  if (count_ == kMostSegments) return false;
-  parts_[count_++] = {segment.offset, size};
-  came_ += size;
-  std::copy(segment.payload.begin(), segment.payload.end(),
-            bytes_.begin() + static_cast<std::ptrdiff_t>(segment.offset));
-  return true;
+  if (sample.count == kMostSegments || (segment.last && sample.size) ||
+      (sample.size && end > *sample.size))
+    return Kept::kContradicts;
+  if (segment.last) sample.size = end;
+  sample.parts[sample.count++] = {segment.offset, size, segment.last, false};
+  sample.came += size;
+  std::copy(segment.payload.begin(), segment.payload.end(), at);
+  return Kept::kNew;
 }
-
-/// Whether all parts have come; they do not overlap.
-bool OpenTrackAssembler::is_whole() const { return size_ && came_ == *size_; }
 
 }  // namespace mixrig::stream

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Assembles the segments of an OpenTrackIO sample.
+// Assembles the segments of OpenTrackIO samples.
 #pragma once
 
 #include <array>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "extras/broadcast/packets/opentrackio_reader.h"
+#include "extras/broadcast/packets/udp_receiver.h"
 
 namespace mixrig::stream {
 
@@ -19,38 +20,44 @@ struct OpenTrackPayload {
   OpenTrackEncoding encoding = OpenTrackEncoding::kJson;
 };
 
-/// Assembles one sample at a time; segments may come in any order and twice. A sample is lost if
-/// not all of its segments come before the next sample's, or if they contradict each other.
-/// Bounded: samples of at most kOpenTrackMostBytes in at most kMostSegments. Not thread-safe.
+/// Assembles the newest kMostSamples samples of all senders; segments may come in any order and
+/// twice. A header names no source, so that samples of two sources may share a sender and a number:
+/// the later one takes the place of the earlier one where they contradict each other. Bounded:
+/// samples of at most kOpenTrackMostBytes in at most kMostSegments. Not thread-safe.
 class OpenTrackAssembler {
  public:
-  static constexpr std::size_t kMostSegments = 64;
-  OpenTrackAssembler() { bytes_.resize(kOpenTrackMostBytes); }
-  std::optional<OpenTrackPayload> add(const OpenTrackSegment& segment);
-  /// Numbers of lost samples, by gaps in the sequence or missing segments, and of late segments,
-  /// which come after the next sample's.
-  long lost() const { return lost_; }
-  long late() const { return late_; }
+  static constexpr std::size_t kMostSegments = 64, kMostSamples = 8;
+  OpenTrackAssembler();
+  /// Returns the payload that the segment completes; one segment that is a whole sample is returned
+  /// each time that it comes.
+  std::optional<OpenTrackPayload> add(const OpenTrackSegment& segment, const Sender& from);
 
  private:
   struct Part {
     std::uint32_t offset = 0, size = 0;
+    bool last = false;
+    bool again = false;  ///< it came again, perhaps as a part of another sample
   };
-  void begin(const OpenTrackSegment& segment);
-  bool is_late(std::uint16_t sequence) const;
-  /// Stores a segment; false where it contradicts the others.
-  bool keep(const OpenTrackSegment& segment);
-  bool is_whole() const;
+  struct Sample {
+    Sender from;
+    std::uint16_t sequence = 0;
+    OpenTrackEncoding encoding = OpenTrackEncoding::kJson;
+    std::vector<std::byte> bytes;
+    std::array<Part, kMostSegments> parts{};
+    std::size_t count = 0;
+    std::optional<std::uint32_t> size;  ///< size of the sample, known once its last segment came
+    std::uint32_t came = 0;             ///< received bytes
+    std::uint64_t used = 0;             ///< number of its last add(); 0: free
+  };
+  Sample& sample_of(const OpenTrackSegment& segment, const Sender& from);
+  enum class Kept { kNew, kAgain, kContradicts };
+  static Kept keep(const OpenTrackSegment& segment, Sample& sample);
+  static void begin(const OpenTrackSegment& segment, const Sender& from, Sample& sample);
+  /// Leaves of a sample what came again: the parts that another one shares with it.
+  static void begin_with_shared(const OpenTrackSegment& segment, Sample& sample);
 
-  std::optional<std::uint16_t> sequence_;
-  OpenTrackEncoding encoding_ = OpenTrackEncoding::kJson;
-  bool done_ = false;  ///< delivered, or given up
-  std::vector<std::byte> bytes_;
-  std::array<Part, kMostSegments> parts_{};
-  std::size_t count_ = 0;
-  std::optional<std::uint32_t> size_;  ///< size of the sample, known once its last segment came
-  std::uint32_t came_ = 0;             ///< received bytes
-  long lost_ = 0, late_ = 0;
+  std::array<Sample, kMostSamples> samples_;
+  std::uint64_t adds_ = 0;
 };
 
 }  // namespace mixrig::stream

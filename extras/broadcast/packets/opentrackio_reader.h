@@ -23,7 +23,7 @@ Result<OpenTrackSegment> parse_opentrack_datagram(std::span<const std::byte> byt
 /// Contents of a sample about a camera.
 struct OpenTrackReading {
   int source = 0;                       ///< sourceNumber; 0: absent
-  std::optional<std::int64_t> time_ns;  ///< sampleTimestamp, since 1970
+  std::optional<std::int64_t> time_ns;  ///< sampleTimestamp, since 1970, UTC or TAI
   std::string status;                   ///< state of the tracker
   /// Product of the transforms, of a camera with axes x right, y down, z forward, on a stage with z
   /// up. Absent: unknown.

@@ -2,15 +2,16 @@
 #include "extras/broadcast/packets/udp_receiver.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <utility>
 
 #include <arpa/inet.h>
-#include <netinet/in.h>
+#include <fmt/format.h>
 #include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
+
+#include "extras/broadcast/packets/udp_port.h"
 
 namespace mixrig::stream {
 namespace {
@@ -21,19 +22,17 @@ bool parse_whole(std::string_view text, int least, int most, int& value) {
   return fault == std::errc() && stop == end && value >= least && value <= most;
 }
 
-/// Joins a multicast group, to which several programs may listen.
-bool join(int fd, const in_addr& group) {
-  const int yes = 1;
-  ip_mreq request{};
-  request.imr_multiaddr = group;
-  return ::setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) == 0 &&
-         ::setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request) == 0;
-}
-
-/// "[HOST:]PORT[,NUMBER]"; nullopt for another text.
+/// "[HOST:]PORT[,NUMBER][@SENDER]"; nullopt for another text.
 std::optional<ListenAddress> parse_listen_address(std::string_view text, int least_number,
                                                   int most_number) {
   ListenAddress address;
+  if (const std::size_t at = text.find('@'); at != std::string_view::npos) {
+    in_addr sender{};
+    if (::inet_pton(AF_INET, std::string(text.substr(at + 1)).c_str(), &sender) != 1)
+      return std::nullopt;
+    address.sender = ntohl(sender.s_addr);
+    text = text.substr(0, at);
+  }
   if (const std::size_t comma = text.find(','); comma != std::string_view::npos) {
     int number = 0;
     if (!parse_whole(text.substr(comma + 1), least_number, most_number, number))
@@ -61,59 +60,55 @@ Result<ListenAddress> parse_listen_uri(const std::string& uri, const ListenSchem
                           : std::nullopt;
   if (listen) return *listen;
   return Error{ErrorCode::kUsage, "\"" + uri + "\" is no address of " + scheme.protocol + ": use " +
-                                      start + "[HOST:]PORT[," + scheme.number + "]"};
+                                      start + "[HOST:]PORT[," + scheme.number +
+                                      "][@SENDER], HOST and SENDER as IPv4"};
+}
+
+std::string address_text(std::uint32_t address) {
+  return fmt::format("{}.{}.{}.{}", address >> 24, address >> 16 & 255, address >> 8 & 255,
+                     address & 255);
 }
 
 Result<UdpReceiver> UdpReceiver::open(std::string protocol, const std::string& host, int port) {
-  const auto failed = [&protocol](const std::string& what) {
-    return system_error(ErrorCode::kDevice, protocol + ": " + what, errno);
-  };
-  sockaddr_in own{};
-  own.sin_family = AF_INET;
-  own.sin_port = htons(static_cast<std::uint16_t>(port));
-  if (::inet_pton(AF_INET, host.c_str(), &own.sin_addr) != 1)
-    return Error{ErrorCode::kUsage, protocol + ": \"" + host +
-                                        "\" is no IPv4 address of this machine: give one, or "
-                                        "0.0.0.0 for all"};
-  const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (fd < 0) return failed("no socket");
-  UdpReceiver receiver(protocol, fd, port);
-  if (IN_MULTICAST(ntohl(own.sin_addr.s_addr)) && !join(fd, own.sin_addr))
-    return failed("cannot join the group " + host);
-  socklen_t size = sizeof own;
-  if (::bind(fd, reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0 ||
-      ::getsockname(fd, reinterpret_cast<sockaddr*>(&own), &size) != 0)
-    return failed("cannot listen on " + host + ":" + std::to_string(port));
-  receiver.port_ = ntohs(own.sin_port);
-  return receiver;
+  auto shared = UdpPort::at(host, port);
+  if (!shared) {
+    const Error& why = shared.error();
+    return Error{why.code, protocol + ": " + why.context, why.sys_errno};
+  }
+  const int inbox = (*shared)->add_inbox();
+  if (inbox < 0) return system_error(ErrorCode::kDevice, protocol + ": no socket", errno);
+  return UdpReceiver(std::move(protocol), *std::move(shared), inbox);
 }
 
 UdpReceiver::UdpReceiver(UdpReceiver&& other) noexcept
     : protocol_(std::move(other.protocol_)),
-      fd_(std::exchange(other.fd_, -1)),
-      port_(other.port_) {}
+      port_(std::move(other.port_)),
+      inbox_(std::exchange(other.inbox_, -1)) {}
 UdpReceiver& UdpReceiver::operator=(UdpReceiver&& other) noexcept {
   std::swap(protocol_, other.protocol_);
-  std::swap(fd_, other.fd_);
-  port_ = other.port_;
+  std::swap(port_, other.port_);
+  std::swap(inbox_, other.inbox_);
   return *this;
 }
 UdpReceiver::~UdpReceiver() {
-  if (fd_ >= 0) ::close(fd_);
+  if (port_) port_->remove_inbox(inbox_);
 }
 
-Result<std::optional<std::span<const std::byte>>> UdpReceiver::next(std::span<std::byte> buffer,
-                                                                    Duration timeout) {
-  using Datagram = std::optional<std::span<const std::byte>>;
-  pollfd wait{fd_, POLLIN, 0};
+int UdpReceiver::port() const { return port_->number(); }
+
+Result<std::optional<Datagram>> UdpReceiver::next(std::span<std::byte> buffer, Duration timeout) {
+  std::array<pollfd, 2> wait{{{inbox_, POLLIN, 0}, {port_->fd(), POLLIN, 0}}};
   const auto ms = std::chrono::ceil<std::chrono::milliseconds>(std::max(timeout, Duration(0)));
-  if (::poll(&wait, 1, static_cast<int>(ms.count())) < 0 && errno != EINTR)
+  if (::poll(wait.data(), wait.size(), static_cast<int>(ms.count())) < 0 && errno != EINTR)
     return system_error(ErrorCode::kDevice, protocol_ + ": waiting failed", errno);
-  if (wait.revents == 0) return Datagram();
-  const ssize_t size = ::recv(fd_, buffer.data(), buffer.size(), MSG_DONTWAIT);
-  if (size >= 0) return Datagram(buffer.first(static_cast<std::size_t>(size)));
-  if (errno == EAGAIN || errno == EINTR) return Datagram();
-  return system_error(ErrorCode::kDevice, protocol_ + ": reading failed", errno);
+  if (wait[1].revents != 0 && !port_->deliver())
+    return system_error(ErrorCode::kDevice, protocol_ + ": reading failed", errno);
+  Datagram datagram;
+  const ssize_t size = read_inbox(inbox_, datagram.from, buffer);
+  if (size < 0 && (errno == EAGAIN || errno == EINTR)) return std::optional<Datagram>();
+  if (size < 0) return system_error(ErrorCode::kDevice, protocol_ + ": reading failed", errno);
+  datagram.bytes = buffer.first(static_cast<std::size_t>(size));
+  return std::optional(datagram);
 }
 
 }  // namespace mixrig::stream

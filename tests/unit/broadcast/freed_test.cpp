@@ -96,21 +96,21 @@ TEST(FreeDAddress, IsReadOrRefused) {
   EXPECT_EQ(all->host, "0.0.0.0");
   EXPECT_EQ(all->port, 40000);
   EXPECT_EQ(all->number, 3);
-  for (const char* uri :
-       {"", "freed", "freed:", "freed:0", "freed:70000", "freed:1x", "freed:host:1", "freed::1",
-        "freed:1,", "freed:1,256", "freed:1,-1", "fried:1"})
+  for (const char* uri : {"", "freed", "freed:", "freed:0", "freed:70000", "freed:1x",
+                          "freed:host:1", "freed::1", "freed:1,", "freed:1@", "freed:1@tracker",
+                          "freed:1@10.0.0", "freed:1,256", "freed:1,-1", "fried:1"})
     EXPECT_FALSE(parse_freed_address(uri)) << uri;
 }
 
 /// Sends datagrams to a port of this machine.
-class Sender {
+class PacketSender {
  public:
-  explicit Sender(int port) : fd_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+  explicit PacketSender(int port) : fd_(::socket(AF_INET, SOCK_DGRAM, 0)) {
     to_.sin_family = AF_INET;
     to_.sin_port = htons(static_cast<std::uint16_t>(port));
     to_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   }
-  ~Sender() { ::close(fd_); }
+  ~PacketSender() { ::close(fd_); }
   void send(std::span<const std::byte> bytes) const {
     ASSERT_EQ(::sendto(fd_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to_),
                        sizeof to_),
@@ -125,7 +125,7 @@ class Sender {
 TEST(FreeDReceiver, ReadsItsCameraAndCountsTheRest) {
   auto receiver = FreeDReceiver::open({"127.0.0.1", 0, 1});
   ASSERT_TRUE(receiver) << receiver.error().context;
-  const Sender sender(receiver->port());
+  const PacketSender sender(receiver->port());
   auto other = plain();
   other[1] = std::byte{2};
   set_checksum(other);
@@ -154,7 +154,7 @@ TEST(FreeDReceiver, FollowsTheCameraOfTheFirstPacketAndTellsWhatItLeavesOut) {
   testing::internal::CaptureStderr();
   auto receiver = FreeDReceiver::open({"127.0.0.1", 0, {}});
   ASSERT_TRUE(receiver) << receiver.error().context;
-  const Sender sender(receiver->port());
+  const PacketSender sender(receiver->port());
   auto other = plain(), without = plain();
   other[1] = std::byte{2};
   set_checksum(other);
@@ -176,11 +176,98 @@ TEST(FreeDReceiver, FollowsTheCameraOfTheFirstPacketAndTellsWhatItLeavesOut) {
   EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 2) << said;
 }
 
+TEST(FreeDReceiver, SeveralReadTheWholeStreamOfOnePort) {
+  auto pose = FreeDReceiver::open({"127.0.0.1", 0, 1});
+  ASSERT_TRUE(pose) << pose.error().context;
+  auto lens = FreeDReceiver::open({"127.0.0.1", pose->port(), 1});
+  auto other = FreeDReceiver::open({"127.0.0.1", pose->port(), 2});
+  ASSERT_TRUE(lens && other) << lens.error().context;
+  const PacketSender sender(pose->port());
+  constexpr int kPackets = 50;
+  for (int i = 0; i < kPackets; ++i) {
+    FreeDPacket packet;
+    packet.camera = 1 + i % 2;
+    packet.zoom = static_cast<std::uint32_t>(i);
+    sender.send(freed_bytes(packet));
+  }
+  const auto zooms = [](FreeDReceiver& receiver) {
+    std::vector<std::uint32_t> read;
+    for (int i = 0; i < kPackets; ++i)
+      if (const auto packet = receiver.next(std::chrono::seconds(20)); packet && *packet)
+        read.push_back((*packet)->zoom);
+    return read;
+  };
+  std::vector<std::uint32_t> even, odd;
+  for (std::uint32_t i = 0; i < kPackets; i += 2) even.push_back(i), odd.push_back(i + 1);
+  EXPECT_EQ(zooms(*lens), even);
+  EXPECT_EQ(zooms(*pose), even);
+  EXPECT_EQ(zooms(*other), odd);
+}
+
+TEST(FreeDReceiver, ALeftReceiverDoesNotEndTheOthersAndThePortIsFreeAfterTheLast) {
+  auto first = FreeDReceiver::open({"127.0.0.1", 0, {}});
+  ASSERT_TRUE(first);
+  const int port = first->port();
+  auto second = FreeDReceiver::open({"127.0.0.1", port, {}});
+  ASSERT_TRUE(second);
+  first = Error{ErrorCode::kUsage, "closed"};
+  PacketSender(port).send(plain());
+  EXPECT_TRUE(*second->next(std::chrono::seconds(20)));
+  second = Error{ErrorCode::kUsage, "closed"};
+  EXPECT_TRUE(FreeDReceiver::open({"0.0.0.0", port, {}}));
+}
+
 TEST(FreeDReceiver, RefusesAPortThatIsTaken) {
   const auto first = FreeDReceiver::open({"127.0.0.1", 0, {}});
   ASSERT_TRUE(first);
-  const auto second = FreeDReceiver::open({"127.0.0.1", first->port(), {}});
-  EXPECT_TRUE(test::refused(second, {"cannot listen on 127.0.0.1:"}));
+  const std::string port = std::to_string(first->port());
+  EXPECT_TRUE(test::refused(
+      FreeDReceiver::open({"0.0.0.0", first->port(), {}}),
+      {"cannot listen on 0.0.0.0:", "listens on 127.0.0.1:" + port, "camera.pose", "lens.uri"}));
+  const int fd = ::socket(AF_INET, SOCK_DGRAM, 0);  // another program's
+  sockaddr_in own{};
+  own.sin_family = AF_INET;
+  own.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof own;
+  ASSERT_EQ(::bind(fd, reinterpret_cast<const sockaddr*>(&own), size), 0);
+  ASSERT_EQ(::getsockname(fd, reinterpret_cast<sockaddr*>(&own), &size), 0);
+  const auto taken = FreeDReceiver::open({"127.0.0.1", ntohs(own.sin_port), {}});
+  ASSERT_FALSE(taken);
+  EXPECT_NE(to_line(taken.error()).find("Address already in use"), std::string::npos)
+      << to_line(taken.error());
+  ::close(fd);
+}
+
+TEST(FollowedSender, KeepsTheFirstSenderUntilItIsSilent) {
+  testing::internal::CaptureStderr();
+  FollowedSender followed("FreeD", "cameras", {"127.0.0.1", 7000, {}});
+  constexpr std::uint32_t kHead = 0xC0A80114, kOther = 0xC0A80115;
+  for (int i = 0; i < 500; ++i) {  // two heads that say they are camera 1
+    EXPECT_TRUE(followed.takes(1, kHead, 7000));
+    EXPECT_FALSE(followed.takes(1, kOther, 7000));
+    EXPECT_FALSE(followed.takes(2, kOther, 7000));
+  }
+  int refused = 0;
+  while (!followed.takes(1, kOther, 7000)) ++refused;
+  EXPECT_EQ(refused, FollowedSender::kSilent - 1) << "one came after the last one of the first";
+  const std::string said = testing::internal::GetCapturedStderr();
+  for (const char* part :
+       {"192.168.1.20 and 192.168.1.21 send as 1 to port 7000", "like 7000,1@192.168.1.20",
+        "cameras 1 and 2 send", "192.168.1.20 is silent: 192.168.1.21 is followed now"})
+    EXPECT_NE(said.find(part), std::string::npos) << said;
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 3) << said;
+}
+
+TEST(FollowedSender, AStatedSenderIsTheOnlyOne) {
+  const auto stated = parse_freed_address("freed:0.0.0.0:7000,1@192.168.1.20");
+  ASSERT_TRUE(stated) << stated.error().context;
+  EXPECT_EQ(stated->sender, 0xC0A80114U);
+  EXPECT_EQ(parse_freed_address("freed:7000@10.0.0.1")->sender, 0x0A000001U);
+  FollowedSender followed("FreeD", "cameras", *stated);
+  for (int i = 0; i < 2 * FollowedSender::kSilent; ++i)
+    EXPECT_FALSE(followed.takes(1, 0xC0A80115, 7000)) << "even where it came first, and alone";
+  EXPECT_TRUE(followed.takes(1, 0xC0A80114, 7000));
+  EXPECT_FALSE(followed.takes(2, 0xC0A80114, 7000));
 }
 
 }  // namespace

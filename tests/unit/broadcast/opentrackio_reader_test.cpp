@@ -135,6 +135,8 @@ TEST(OpenTrackReader, ReadsDatagramsOfTheReferenceSender) {
   }
 }
 
+constexpr Sender kTracker{0x7F000001, 5000};
+
 std::vector<OpenTrackSegment> segments_of(std::span<const std::byte> payload,
                                           std::uint16_t sequence, std::size_t size) {
   std::vector<OpenTrackSegment> segments;
@@ -156,35 +158,41 @@ TEST(OpenTrackAssembler, PutsSegmentsTogetherInAnyOrderAndOnce) {
     std::shuffle(segments.begin(), segments.end(), random);
     int whole = 0;
     for (const auto& segment : segments)
-      if (const auto done = assembler.add(segment)) {
+      if (const auto done = assembler.add(segment, kTracker)) {
         ++whole;
         EXPECT_TRUE(
             std::equal(done->bytes.begin(), done->bytes.end(), payload.begin(), payload.end()));
       }
     ASSERT_EQ(whole, 1) << sequence;
   }
-  EXPECT_EQ(assembler.lost(), 0);
 }
 
-TEST(OpenTrackAssembler, CountsWhatIsLostLateAndContradicts) {
-  const Bytes payload = raw_bytes(read_sample().dump());
-  OpenTrackAssembler assembler;
-  const auto send = [&](std::uint16_t sequence, std::size_t first, std::size_t last) {
-    const auto segments = segments_of(payload, sequence, 40);
-    bool whole = false;
-    for (std::size_t i = first; i < std::min(last, segments.size()); ++i)
-      whole |= assembler.add(segments[i]).has_value();
-    return whole;
-  };
-  EXPECT_TRUE(send(10, 0, 99));
-  EXPECT_FALSE(send(11, 0, 2)) << "not all of it";
-  EXPECT_TRUE(send(14, 0, 99));
-  EXPECT_EQ(assembler.lost(), 3) << "11, 12, 13";
-  EXPECT_FALSE(send(13, 0, 1));
-  EXPECT_FALSE(send(14, 0, 1));
-  EXPECT_EQ(assembler.late(), 2);
-  EXPECT_TRUE(send(60000, 0, 99)) << "far back: the sender restarted";
-  EXPECT_EQ(assembler.lost(), 3);
+TEST(OpenTrackAssembler, KeepsTheSamplesOfSeveralSendersApart) {
+  json other = read_sample();
+  other["sourceNumber"] = 8;
+  const Bytes payloads[] = {raw_bytes(read_sample().dump()), raw_bytes(other.dump())};
+  const Sender senders[] = {kTracker, {kTracker.address, 9}, {7, kTracker.port}};
+  for (const Sender& second : senders) {
+    OpenTrackAssembler assembler;
+    const bool apart = second.address != kTracker.address || second.port != kTracker.port;
+    for (std::uint16_t sequence = 0; sequence < 20; ++sequence) {
+      const auto a = segments_of(payloads[0], sequence, 40),
+                 b = segments_of(payloads[1], sequence, 40);
+      std::vector<Bytes> whole;
+      const auto add = [&](const OpenTrackSegment& segment, const Sender& from) {
+        const auto done = assembler.add(segment, from);
+        if (done) whole.emplace_back(done->bytes.begin(), done->bytes.end());
+      };
+      if (apart)  // mixed
+        for (std::size_t i = 0; i < a.size(); ++i) add(a[i], kTracker), add(b[i], second);
+      else  // one sender of both: a sample after the other
+        for (const auto* segments : {&a, &b})
+          for (const auto& segment : *segments) add(segment, kTracker);
+      ASSERT_EQ(whole.size(), 2U) << second.port;
+      EXPECT_EQ(whole[0], payloads[0]);
+      EXPECT_EQ(whole[1], payloads[1]);
+    }
+  }
 }
 
 TEST(OpenTrackAssembler, RefusesSamplesThatContradictThemselves) {
@@ -204,8 +212,8 @@ TEST(OpenTrackAssembler, RefusesSamplesThatContradictThemselves) {
   };
   for (const Row& row : rows) {
     OpenTrackAssembler assembler;
-    (void)assembler.add(row.first);
-    EXPECT_FALSE(assembler.add(row.second)) << row.second.offset;
+    (void)assembler.add(row.first, kTracker);
+    EXPECT_FALSE(assembler.add(row.second, kTracker)) << row.second.offset;
   }
 }
 
@@ -238,7 +246,70 @@ TEST(OpenTrackReceiver, ReadsOneSourceAndCountsTheRest) {
   EXPECT_EQ(counts.packets, 2);
   EXPECT_EQ(counts.foreign, 1);
   EXPECT_EQ(counts.malformed, 2);
-  EXPECT_EQ(counts.lost, 1);
+  EXPECT_EQ(counts.lost, 3) << "2, 3 and 4 are not samples of the source";
+}
+
+/// Two trackers that were switched on together, or `apart` numbers from each other.
+TEST(OpenTrackReceiver, HasEverySampleOfItsSourceWhateverAnotherSends) {
+  for (const int apart : {0, 3, -3, 200, 5000}) {
+    for (const bool one_socket : {true, false}) {
+      auto receiver = OpenTrackReceiver::open({"127.0.0.1", 0, 7});
+      ASSERT_TRUE(receiver) << receiver.error().context;
+      const std::string to = "127.0.0.1:" + std::to_string(receiver->port());
+      auto first = DatagramSender::open(to), second = DatagramSender::open(to);
+      ASSERT_TRUE(first && second);
+      json other = read_sample();
+      other["sourceNumber"] = 8;
+      int samples = 0;
+      for (int i = 0; i < 40; ++i) {
+        for (const bool mine : {false, true}) {
+          const auto sequence = static_cast<std::uint16_t>(mine ? i : i + apart);
+          const Bytes payload = raw_bytes((mine ? read_sample() : other).dump());
+          const auto datagram = opentrack_datagrams(payload, OpenTrackEncoding::kJson, sequence)[0];
+          (mine || one_socket ? first : second)
+              ->send({reinterpret_cast<const char*>(datagram.data()), datagram.size()});
+          const auto reading = receiver->next(std::chrono::seconds(20));
+          ASSERT_TRUE(reading);
+          EXPECT_TRUE(!*reading || (*reading)->source == 7);
+          samples += reading->has_value();
+        }
+      }
+      EXPECT_EQ(samples, 40) << apart;
+      EXPECT_EQ(receiver->counts().foreign, 40);
+      EXPECT_EQ(receiver->counts().late + receiver->counts().lost, 0) << apart;
+    }
+  }
+}
+
+TEST(OpenTrackReceiver, CountsWhatIsLostLateAndOfAnotherVersion) {
+  testing::internal::CaptureStderr();
+  auto receiver = OpenTrackReceiver::open({"127.0.0.1", 0, {}});
+  ASSERT_TRUE(receiver);
+  auto sender = DatagramSender::open("127.0.0.1:" + std::to_string(receiver->port()));
+  ASSERT_TRUE(sender);
+  json newer = read_sample();
+  newer["protocol"]["version"] = {2, 0, 0};
+  const auto comes = [&](std::uint16_t sequence, const json& sample) {
+    const auto datagram =
+        opentrack_datagrams(raw_bytes(sample.dump()), OpenTrackEncoding::kJson, sequence)[0];
+    sender->send({reinterpret_cast<const char*>(datagram.data()), datagram.size()});
+    const auto reading = receiver->next(std::chrono::seconds(20));
+    return reading && *reading;
+  };
+  EXPECT_TRUE(comes(65535, read_sample()));
+  EXPECT_TRUE(comes(3, read_sample())) << "0, 1 and 2 are lost";
+  EXPECT_FALSE(comes(3, read_sample())) << "once more";
+  EXPECT_FALSE(comes(1, read_sample())) << "late";
+  EXPECT_TRUE(comes(60000, read_sample())) << "far back: the sender restarted";
+  EXPECT_FALSE(comes(60001, newer));
+  EXPECT_FALSE(comes(60002, newer));
+  EXPECT_EQ(receiver->counts().lost, 3);
+  EXPECT_EQ(receiver->counts().late, 2);
+  EXPECT_EQ(receiver->counts().other_version, 2);
+  EXPECT_EQ(receiver->counts().malformed, 0);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("a sample of another version, 1 is read"), std::string::npos) << said;
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
 }
 
 TEST(OpenTrackReceiver, ReadsItsAddress) {
