@@ -25,9 +25,9 @@ struct Scheme {
 };
 constexpr std::array<Scheme, 3> kSchemes{
     {{PoseSource::kMocap, "mocap", "names no server: write \"mocap:\" and its name or address"},
-     {PoseSource::kFreeD, "freed", "names no port: write \"freed:[HOST:]PORT[,CAMERA]\""},
+     {PoseSource::kFreeD, "freed", "names no port: write \"freed:[HOST:]PORT[,CAMERA][@SENDER]\""},
      {PoseSource::kOpenTrack, "opentrackio",
-      "names no port: write \"opentrackio:[HOST:]PORT[,SOURCE]\""}}};
+      "names no port: write \"opentrackio:[HOST:]PORT[,SOURCE][@SENDER]\""}}};
 constexpr double kMs = 1e-3;
 
 /// A key of [camera] that belongs to one pose source, or to several.
@@ -92,14 +92,16 @@ void read_stream(const Table& table, TrackerStream& stream, PoseSource source) {
   stream.world_from_tracker = calibration_file::parse_pose(table.table("world_from_tracker"));
   stream.delay_s = kMs * table.number_or("delay_ms", 0, {0, 1e4});
   stream.rate_hz = table.number_or("rate_hz", 0, {1, 1000});
-  stream.system_stamps = table.one_of("stamps", {"arrival", "system"}, 0) == 1;
+  using Stamps = TrackerStream::Stamps;
+  stream.stamps = static_cast<Stamps>(table.one_of("stamps", {"arrival", "system", "ptp"}, 0));
   if (table.has("sigma_mm")) stream.sigma_m = kMs * table.number("sigma_mm", {0, 1e4});
   if (table.has("sigma_deg")) stream.sigma_rad = kDeg * table.number("sigma_deg", {0, 90});
   if (stream.sigma_m.has_value() != stream.sigma_rad.has_value())
     table.fail(stream.sigma_m ? "sigma_mm" : "sigma_deg",
                "given alone: give both sigma_mm and sigma_deg, or none");
-  if (stream.system_stamps && table.has("delay_ms"))
-    table.fail("delay_ms", "given beside stamps = \"system\", which need none: remove it");
+  if (stream.stamps != Stamps::kArrival && table.has("delay_ms"))
+    table.fail("delay_ms",
+               "given beside stamps = \"system\" or \"ptp\", which need none: remove it");
   if (source == PoseSource::kFreeD && !table.has("rate_hz"))
     table.fail("rate_hz",
                "missing: FreeD has no time stamps, give the rate at which the head sends, such as "

@@ -116,11 +116,13 @@ struct MocapSettings {
 
 /// A camera tracker that sends FreeD or OpenTrackIO while the scene runs.
 struct TrackerStream {
-  std::string address;                ///< "[HOST:]PORT[,NUMBER]"; HOST is this machine's or a group
+  std::string address;                ///< "[HOST:]PORT[,NUMBER][@SENDER]"
   geometry::Pose world_from_tracker;  ///< both worlds have z up
   double delay_s = 0;                 ///< from the exposure of a sample to its earliest arrival
   double rate_hz = 0;                 ///< FreeD: rate of the sender
-  bool system_stamps = false;         ///< OpenTrackIO: stamps use this machine's system clock
+  /// OpenTrackIO: stamps of a clock that is mapped by arrival, of this machine's system clock, or
+  /// of PTP (TAI) by which the system clock is set.
+  enum class Stamps : std::uint8_t { kArrival, kSystem, kPtp } stamps = Stamps::kArrival;
   /// Standard deviations as the tracker's maker states them; absent: the poses have no covariance.
   std::optional<double> sigma_m, sigma_rad;
   bool operator==(const TrackerStream&) const = default;

@@ -281,8 +281,9 @@ void MocapRun::refuses_another_body() {
   const auto report = run_with(stream);
   ASSERT_TRUE(report) << report.error().context;
   EXPECT_EQ(report->pose.faults.refused, static_cast<std::uint64_t>(sent_));
-  EXPECT_EQ(lost(*report, PoseLoss::kOutside), 40U);
-  EXPECT_NE(session::to_table(*report).find("frames without the camera's body"), std::string::npos);
+  EXPECT_EQ(lost(*report, PoseLoss::kNoSample), 40U);
+  EXPECT_NE(session::to_table(*report).find("in which the camera's body is missing or not tracked"),
+            std::string::npos);
 }
 
 void MocapRun::hears_one_sender() {
@@ -291,7 +292,7 @@ void MocapRun::hears_one_sender() {
   const auto report = run_with(stream);
   ASSERT_TRUE(report) << report.error().context;
   // The run may end before the last bad packet was read.
-  EXPECT_GE(report->pose.faults.packets_bad, static_cast<std::uint64_t>(sent_) - 1);
+  EXPECT_GE(report->pose.faults.packets_foreign, static_cast<std::uint64_t>(sent_) - 1);
   EXPECT_EQ(report->pose.frames.lost(), 0U);
   EXPECT_LT(value(*report, "shift_mm", "rms"), kNoise_mm);
 }

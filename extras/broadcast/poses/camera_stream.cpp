@@ -12,12 +12,15 @@
 #include "extras/broadcast/packets/freed_receiver.h"
 #include "extras/broadcast/packets/opentrackio_receiver.h"
 #include "extras/broadcast/poses/arrival_comb.h"
+#include "extras/broadcast/poses/stamp_scale.h"
+#include "hal/base/guarded.h"
 #include "hal/base/log.h"
 
 namespace mixrig::pose {
 namespace {
 
 using geometry::Pose;
+using Stamps = scene::TrackerStream::Stamps;
 
 constexpr Duration kStreamLook = std::chrono::milliseconds(100);  // at stop_
 constexpr double kGapOfCameras_s = 0.1;  // one sample of 25 Hz may be missing
@@ -32,7 +35,7 @@ struct StreamSample {
 
 /// Counts and clock of a protocol.
 struct StreamState {
-  capture::PoseFaults packets;  ///< packets_lost, packets_late, packets_bad
+  capture::PoseFaults packets;  ///< without the faults of samples
   std::uint64_t count = 0;
   double jitter_s = 0;  ///< of arrival; of stamps it is the track's
 };
@@ -43,7 +46,10 @@ StreamState state_of(const stream::StreamCounts& counts, long unstamped = 0) {
   state.count = unsigned_of(counts.packets);
   state.packets.packets_lost = unsigned_of(counts.lost);
   state.packets.packets_late = unsigned_of(counts.late);
-  state.packets.packets_bad = unsigned_of(counts.malformed + counts.foreign + unstamped);
+  state.packets.packets_bad = unsigned_of(counts.malformed);
+  state.packets.packets_version = unsigned_of(counts.other_version);
+  state.packets.packets_foreign = unsigned_of(counts.foreign);
+  state.packets.packets_unstamped = unsigned_of(unstamped);
   return state;
 }
 
@@ -90,7 +96,9 @@ class FreeDInput {
 class OpenTrackInput {
  public:
   OpenTrackInput(CameraStreamOptions options, stream::OpenTrackReceiver receiver)
-      : options_(std::move(options)), receiver_(std::move(receiver)) {}
+      : options_(std::move(options)),
+        receiver_(std::move(receiver)),
+        scale_(options_.stamps == Stamps::kPtp, tai_minus_utc()) {}
 
   Result<std::optional<StreamSample>> next(const Clock& clock) {
     MIXRIG_ASSIGN(const auto reading, receiver_.next(kStreamLook));
@@ -101,8 +109,8 @@ class OpenTrackInput {
     }
     if (!first_ns_) first_ns_ = *reading->time_ns;
     StreamSample sample{1e-9 * static_cast<double>(*reading->time_ns - *first_ns_), {}};
-    if (options_.system_stamps)
-      sample.time_s = 1e-9 * static_cast<double>(host_ns(*reading, clock));
+    if (options_.stamps != Stamps::kArrival)
+      sample.time_s = seconds(host_time(*reading->time_ns, clock).time_since_epoch());
     if (reading->stage_from_camera)
       sample.seen = target_seen(*reading->stage_from_camera, options_);
     return std::optional(sample);
@@ -111,13 +119,14 @@ class OpenTrackInput {
 
  private:
   /// The system clock may be set while this runs.
-  static std::int64_t host_ns(const stream::OpenTrackReading& reading, const Clock& clock) {
-    const Duration system = std::chrono::system_clock::now().time_since_epoch();
-    return *reading.time_ns - (system - clock.now().time_since_epoch()).count();
+  HostTime host_time(std::int64_t stamp_ns, const Clock& clock) {
+    const UtcTime now(Duration(std::chrono::system_clock::now().time_since_epoch()));
+    return clock.now() + (scale_.utc_of(stamp_ns, now) - now);
   }
 
   const CameraStreamOptions options_;
   stream::OpenTrackReceiver receiver_;
+  StampScale scale_;
   std::optional<std::int64_t> first_ns_;
   long unstamped_ = 0;
 };
@@ -127,7 +136,10 @@ std::string text_of(std::string_view protocol, const CameraStreamOptions& option
       "{}: {}, {:.0f} ms from exposure to arrival{}; at mid-exposure, at most {:.0f} ms after the "
       "newest sample",
       protocol, options.address, 1e3 * options.delay_s,
-      options.system_stamps ? " (stamps of the system clock)" : "", 1e3 * options.most_ahead_s);
+      options.stamps == Stamps::kSystem ? " (stamps of the system clock)"
+      : options.stamps == Stamps::kPtp  ? " (stamps of PTP)"
+                                        : "",
+      1e3 * options.most_ahead_s);
 }
 
 template <typename Input>
@@ -139,7 +151,11 @@ class CameraStream final : public capture::PoseSource {
         track_(options),
         input_(std::move(input)),
         clock_(clock),
-        thread_([this] { listen(); }) {}
+        thread_(guarded_thread(
+            "receiving", [this] { return listen(); },
+            [](const Error& error) {
+              log_warning("pose", to_line(error) + ": no more poses are received");
+            })) {}
   ~CameraStream() override {
     stop_ = true;
     thread_.join();
@@ -153,9 +169,11 @@ class CameraStream final : public capture::PoseSource {
   capture::PoseFaults faults() const override {
     capture::PoseFaults all = track_.faults();
     const std::lock_guard lock(mutex_);
-    all.packets_lost = state_.packets.packets_lost;
-    all.packets_late = state_.packets.packets_late;
-    all.packets_bad = state_.packets.packets_bad;
+    const capture::PoseFaults& packets = state_.packets;
+    all.packets_lost = packets.packets_lost, all.packets_late = packets.packets_late;
+    all.packets_bad = packets.packets_bad, all.packets_version = packets.packets_version;
+    all.packets_foreign = packets.packets_foreign;
+    all.packets_unstamped = packets.packets_unstamped;
     return all;
   }
   std::optional<capture::PoseStream> stream() const override {
@@ -167,15 +185,14 @@ class CameraStream final : public capture::PoseSource {
   }
 
  private:
-  void listen() {
+  Result<void> listen() {
     while (!stop_) {
-      const auto sample = input_.next(clock_);
-      if (!sample)
-        return log_warning("pose", to_line(sample.error()) + ": no more poses are received");
-      if (*sample) track_.add((*sample)->time_s, (*sample)->seen, clock_.now());
+      MIXRIG_ASSIGN(const auto sample, input_.next(clock_));
+      if (sample) track_.add(sample->time_s, sample->seen, clock_.now());
       const std::lock_guard lock(mutex_);
       state_ = input_.state();
     }
+    return {};
   }
 
   PoseTrack track_;
@@ -223,7 +240,7 @@ Result<std::unique_ptr<capture::PoseSource>> open_opentrack_poses(CameraStreamOp
   MIXRIG_ASSIGN(const auto address,
                 stream::parse_opentrack_address("opentrackio:" + options.address));
   MIXRIG_ASSIGN(auto receiver, stream::OpenTrackReceiver::open(address));
-  const bool host_time = options.system_stamps;
+  const bool host_time = options.stamps != Stamps::kArrival;
   return stream_of<OpenTrackInput>("opentrackio", std::move(options), std::move(receiver),
                                    host_time, clock);
 }

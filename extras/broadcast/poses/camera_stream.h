@@ -10,6 +10,7 @@
 #include "hal/base/result.h"
 #include "host/capture/capture/pose_source.h"
 #include "host/pose/source/pose_track.h"
+#include "host/scene/scene.h"
 
 namespace mixrig::pose {
 
@@ -26,8 +27,9 @@ struct CameraStreamOptions {
   std::optional<TrackerNoise> noise;  ///< absent: the poses have no covariance
   double delay_s = 0;                 ///< delay from a sample's exposure to its earliest arrival
   double most_ahead_s = 0.1;          ///< the motion is continued this far after the newest sample
-  double rate_hz = 0;          ///< FreeD: rate of the sender; 0: arrival times are used unchanged
-  bool system_stamps = false;  ///< OpenTrackIO: stamps use this machine's system clock
+  double rate_hz = 0;  ///< FreeD: rate of the sender; 0: arrival times are used unchanged
+  /// OpenTrackIO: clock of the stamps.
+  scene::TrackerStream::Stamps stamps = scene::TrackerStream::Stamps::kArrival;
 };
 
 /// Pose of the target camera, from the tracked camera's pose in the tracker's world. Pure.
@@ -44,8 +46,8 @@ Result<std::unique_ptr<capture::PoseSource>> open_freed_poses(CameraStreamOption
                                                               const Clock& clock);
 
 /// Opens a source of poses by OpenTrackIO, like open_freed_poses(). Times are the samples' stamps;
-/// their clock is mapped to the host's by the least delay, or is the system clock. A sample without
-/// stamp or transforms has no pose.
+/// their clock is mapped to the host's by the least delay, or is the system clock (StampScale). A
+/// sample without stamp or transforms has no pose.
 Result<std::unique_ptr<capture::PoseSource>> open_opentrack_poses(CameraStreamOptions options,
                                                                   const Clock& clock);
 

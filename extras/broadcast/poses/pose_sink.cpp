@@ -106,8 +106,11 @@ void PoseSink::send_opentrack(const output::Composite& composite, Receiver& to) 
   sample.sample_id = random_uuid(), sample.source_id = to.source;
   sample.source = to.out.camera;
   sample.number = to.samples;
-  const Duration exposed = composite.capture->mid_exposure.time_since_epoch();
-  sample.time_ns = std::max<std::int64_t>(0, epoch_ns_ + exposed.count());
+  const UtcTime exposed(Duration(epoch_ns_) + composite.capture->mid_exposure.time_since_epoch());
+  const bool is_ptp = to.out.clock == scene::PoseOut::ClockSource::kPtp;
+  const Duration stamp =
+      is_ptp ? tai_from(exposed, tai_minus_utc_).time_since_epoch() : exposed.time_since_epoch();
+  sample.time_ns = std::max<std::int64_t>(0, stamp.count());
   sample.status =
       composite.pose.ok() ? "ok" : "lost: " + std::string(capture::name(composite.pose.loss));
   if (composite.pose.ok()) {
@@ -120,9 +123,8 @@ void PoseSink::send_opentrack(const output::Composite& composite, Receiver& to) 
   else
     to.sensor_sent_ns = sample.time_ns, to.locked = is_locked_();
   if (to.out.clock != scene::PoseOut::ClockSource::kNotTold)
-    sample.synchronization = {to.out.clock == scene::PoseOut::ClockSource::kPtp
-                                  ? stream::OpenTrackSample::Synchronization::Source::kPtp
-                                  : stream::OpenTrackSample::Synchronization::Source::kNtp,
+    sample.synchronization = {is_ptp ? stream::OpenTrackSample::Synchronization::Source::kPtp
+                                     : stream::OpenTrackSample::Synchronization::Source::kNtp,
                               to.locked};
   if (const auto& encoders = composite.capture->encoders)
     sample.zoom = encoders->zoom, sample.focus = encoders->focus;

@@ -9,9 +9,9 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "host/output/datagrams/datagram_sender.h"
 #include "extras/broadcast/packets/opentrackio.h"
 #include "hal/base/clock_sync.h"
+#include "host/output/datagrams/datagram_sender.h"
 #include "host/output/sink/composite_sink.h"
 #include "host/scene/scene.h"
 
@@ -63,6 +63,7 @@ class PoseSink final : public output::CompositeSink {
   std::vector<Receiver> receivers_;
   std::vector<PoseOutReport>& reports_;
   bool (*is_locked_)();
+  const Duration tai_minus_utc_ = tai_minus_utc();
 };
 
 }  // namespace mixrig::session

@@ -22,7 +22,7 @@ Result<pose::CameraStreamOptions> stream_options(const Session& session) {
   options.delay_s = wanted.delay_s;
   options.most_ahead_s = session.scene.camera.max_age_s;
   options.rate_hz = wanted.rate_hz;
-  options.system_stamps = wanted.system_stamps;
+  options.stamps = wanted.stamps;
   if (wanted.sigma_m && wanted.sigma_rad) options.noise = {*wanted.sigma_rad, *wanted.sigma_m};
   if (session.calibration.file.empty()) return options;
   MIXRIG_ASSIGN(const calibration_file::Calibration known,
@@ -37,7 +37,7 @@ Result<std::unique_ptr<capture::PoseSource>> open(const Session& session, const 
   auto poses = session.scene.pose_source == scene::PoseSource::kFreeD
                    ? pose::open_freed_poses(std::move(options), *clock)
                    : pose::open_opentrack_poses(std::move(options), *clock);
-  if (!poses) return at_camera(session, "pose", poses.error().code, poses.error().context);
+  if (!poses) return at_camera(session, "pose", poses.error().code, to_line(poses.error()));
   return poses;
 }
 

@@ -5,8 +5,8 @@ namespace mixrig::capture {
 
 std::string_view name(PoseLoss loss) {
   constexpr std::array<std::string_view, kPoseLosses> kNames{
-      "ok",         "absent",   "outside", "gap",       "jump",
-      "not_finite", "no_angle", "too_old", "untracked", "no_picture"};
+      "ok",       "absent",  "outside",   "gap",        "jump",     "not_finite",
+      "no_angle", "too_old", "untracked", "no_picture", "no_sample"};
   return kNames[static_cast<std::size_t>(loss)];
 }
 

@@ -28,12 +28,13 @@ enum class PoseLoss : std::uint8_t {
   kTooOld,     ///< the pose is older than the scene accepts
   kUntracked,  ///< the tracker does not recognise the room in the picture
   kNoPicture,  ///< the fisheye gives no picture
+  kNoSample,   ///< the stream has sent no sample with a pose yet
   kCount
 };
 inline constexpr std::size_t kPoseLosses = static_cast<std::size_t>(PoseLoss::kCount);
 
 /// "ok", "absent", "outside", "gap", "jump", "not_finite", "no_angle", "too_old",
-/// "untracked", "no_picture".
+/// "untracked", "no_picture", "no_sample".
 std::string_view name(PoseLoss loss);
 
 /// Covariance of (rotation vector rad, translation m), with R = exp(w) * R_estimate.
@@ -59,9 +60,17 @@ struct PoseFaults {
   std::uint64_t not_finite = 0;   ///< samples that hold NaN, infinity, or no rotation
   std::uint64_t jumps = 0;        ///< places where the camera would move faster than a camera can
   std::uint64_t clock_steps = 0;  ///< times that the clock of the samples stepped
-  std::uint64_t refused = 0;      ///< frames of a motion capture without the camera's body
-  /// Datagrams of a network stream.
-  std::uint64_t packets_lost = 0, packets_late = 0, packets_bad = 0;
+  std::uint64_t refused = 0;      ///< samples of a stream in which the camera is not tracked
+  /// Datagrams of a network stream: missing ones, ones that came after a later one, damaged ones or
+  /// ones of another protocol or layout, ones of another version, ones of another camera, source or
+  /// sender, ones without the time stamp that the pose needs.
+  std::uint64_t packets_lost = 0, packets_late = 0, packets_bad = 0, packets_version = 0,
+                packets_foreign = 0, packets_unstamped = 0;
+
+  std::uint64_t packets() const {
+    return packets_lost + packets_late + packets_bad + packets_version + packets_foreign +
+           packets_unstamped;
+  }
 };
 
 /// State of a stream of poses from the network.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/pose/mocap/mocap_track.h"
 
+#include <string>
+
+#include "hal/base/log.h"
 #include "host/math/estimation/markers/constellation.h"
 
 namespace mixrig::pose {
@@ -33,7 +36,43 @@ std::optional<BodySeen> by_number(const stream::NatNetFrame& frame, int id) {
   return std::nullopt;
 }
 
+/// "3, 7".
+std::string ids_of(const stream::NatNetFrame& frame) {
+  std::string ids;
+  for (const stream::NatNetBody& body : frame.bodies)
+    ids += (ids.empty() ? "" : ", ") + std::to_string(body.id);
+  return ids;
+}
+
+std::string what_to_do(BodyTrouble trouble, const stream::NatNetFrame& frame, int wanted) {
+  switch (trouble) {
+    case BodyTrouble::kNoBody:
+      return "no body is streamed: let the server stream rigid bodies, or name the camera's "
+             "markers "
+             "by camera.constellation";
+    case BodyTrouble::kSeveral:
+      return "several bodies are streamed (" + ids_of(frame) +
+             "): name the camera's by camera.body";
+    case BodyTrouble::kAnother:
+      return "camera.body is " + std::to_string(wanted) + ", but only others are streamed (" +
+             ids_of(frame) + ")";
+    case BodyTrouble::kNone:
+      break;
+  }
+  return {};
+}
+
 }  // namespace
+
+BodyTrouble body_trouble(const stream::NatNetFrame& frame, const MocapOptions& options) {
+  if (options.constellation) return BodyTrouble::kNone;
+  if (frame.bodies.empty()) return BodyTrouble::kNoBody;
+  if (options.body_id == 0)
+    return frame.bodies.size() > 1 ? BodyTrouble::kSeveral : BodyTrouble::kNone;
+  for (const stream::NatNetBody& body : frame.bodies)
+    if (body.id == options.body_id) return BodyTrouble::kNone;
+  return BodyTrouble::kAnother;
+}
 
 std::optional<TargetSeen> target_seen(const stream::NatNetFrame& frame,
                                       const MocapOptions& options) {
@@ -51,6 +90,12 @@ std::optional<TargetSeen> target_seen(const stream::NatNetFrame& frame,
 
 void MocapTrack::add(const stream::NatNetFrame& frame, HostTime received) {
   track_.add(frame.time_s, target_seen(frame, options_), received);
+  const BodyTrouble trouble = body_trouble(frame, options_);
+  const std::lock_guard lock(mutex_);
+  bool& warned = warned_[static_cast<std::size_t>(trouble)];
+  if (trouble == BodyTrouble::kNone || warned) return;
+  warned = true;
+  log_warning("pose", "motion capture: " + what_to_do(trouble, frame, options_.body_id));
 }
 
 void MocapTrack::set_packets(const stream::NatNetCounts& counts) {
@@ -63,7 +108,8 @@ capture::PoseFaults MocapTrack::faults() const {
   const std::lock_guard lock(mutex_);
   all.packets_lost = static_cast<std::uint64_t>(counts_.lost);
   all.packets_late = static_cast<std::uint64_t>(counts_.late);
-  all.packets_bad = static_cast<std::uint64_t>(counts_.malformed + counts_.foreign);
+  all.packets_bad = static_cast<std::uint64_t>(counts_.malformed);
+  all.packets_foreign = static_cast<std::uint64_t>(counts_.foreign);
   return all;
 }
 

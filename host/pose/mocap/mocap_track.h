@@ -2,6 +2,8 @@
 // The camera's pose at any recent time, from the frames of a running motion capture.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <mutex>
 #include <optional>
 
@@ -29,7 +31,11 @@ struct MocapOptions {
 std::optional<TargetSeen> target_seen(const stream::NatNetFrame& frame,
                                       const MocapOptions& options);
 
-/// A PoseTrack of a motion capture. Thread-safe.
+/// Why a frame has no usable body, where its bodies are used.
+enum class BodyTrouble : std::uint8_t { kNone, kNoBody, kSeveral, kAnother };
+BodyTrouble body_trouble(const stream::NatNetFrame& frame, const MocapOptions& options);
+
+/// A PoseTrack of a motion capture. Warns once of each BodyTrouble. Thread-safe.
 class MocapTrack {
  public:
   explicit MocapTrack(MocapOptions options)
@@ -48,6 +54,7 @@ class MocapTrack {
   PoseTrack track_;
   mutable std::mutex mutex_;  ///< guards the members below
   stream::NatNetCounts counts_;
+  std::array<bool, 4> warned_{};  ///< by BodyTrouble
 };
 
 }  // namespace mixrig::pose

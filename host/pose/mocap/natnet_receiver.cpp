@@ -12,6 +12,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "hal/base/log.h"
+
 namespace mixrig::stream {
 namespace {
 
@@ -189,8 +191,13 @@ Result<std::optional<NatNetFrame>> NatNetReceiver::read(int fd) {
   }
   const auto packet = next_packet({buffer_.data(), static_cast<std::size_t>(size)});
   if (packet) return take(*packet, ntohs(from.sin_port));
-  ++counts_.malformed;
+  leave_out(packet.error());
   return std::optional<NatNetFrame>();
+}
+
+void NatNetReceiver::leave_out(const Error& why) {
+  if (counts_.malformed++ == 0)
+    log_warning("pose", "motion capture: " + why.context + ": such packets are left out");
 }
 
 Result<std::optional<NatNetFrame>> NatNetReceiver::take(const NatNetPacket& packet, int port) {
@@ -201,7 +208,7 @@ Result<std::optional<NatNetFrame>> NatNetReceiver::take(const NatNetPacket& pack
     else if (stated.error().code == ErrorCode::kUnsupported)
       return stated.error();
     else
-      ++counts_.malformed;
+      leave_out(stated.error());
   }
   if (packet.kind != static_cast<std::uint16_t>(NatNetKind::kFrame))
     return std::optional<NatNetFrame>();
@@ -211,7 +218,7 @@ Result<std::optional<NatNetFrame>> NatNetReceiver::take(const NatNetPacket& pack
     return std::optional<NatNetFrame>();
   }
   auto frame = parse_frame(packet.payload, version_);
-  if (!frame) ++counts_.malformed;
+  if (!frame) leave_out(frame.error());
   if (!frame || !is_next(frame->number, now)) return std::optional<NatNetFrame>();
   ++counts_.frames;
   return std::optional(*std::move(frame));

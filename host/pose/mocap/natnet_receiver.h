@@ -35,7 +35,8 @@ struct NatNetCounts {
 };
 
 /// Requests the stream from the server once a second, as servers require, and reads its datagrams.
-/// Datagrams from other addresses are ignored. Not thread-safe.
+/// Datagrams from other addresses are ignored. Warns once of packets that cannot be read. Not
+/// thread-safe.
 class NatNetReceiver {
  public:
   /// `version` is used until the server sends its own. Errors: kNotFound for an unknown host name,
@@ -67,6 +68,7 @@ class NatNetReceiver {
   static Result<Socket> open_group(const NatNetAddress& address, const sockaddr_in& server);
   void request_stream();
   Result<std::optional<NatNetFrame>> read(int fd);
+  void leave_out(const Error& why);
   Result<std::optional<NatNetFrame>> take(const NatNetPacket& packet, int port);
   bool is_of_our_server(int port, HostTime now);
   bool is_next(int number, HostTime now);

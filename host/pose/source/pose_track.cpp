@@ -140,7 +140,7 @@ std::optional<double> PoseTrack::stream_time_s(HostTime at) const {
 
 CameraPose PoseTrack::at(HostTime mid_exposure) const {
   const std::lock_guard lock(mutex_);
-  if (count_ == 0) return CameraPose::lost(PoseLoss::kOutside);
+  if (count_ == 0) return CameraPose::lost(PoseLoss::kNoSample);
   const auto t_s = stream_time_s(mid_exposure);
   if (!t_s) return CameraPose::lost(PoseLoss::kOutside);
   if (*t_s > newest(0).timed.t_s) return ahead(*t_s);

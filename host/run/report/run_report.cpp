@@ -69,10 +69,12 @@ double lost_pct(const PoseReport& report) {
 }
 
 nlohmann::json to_json(const capture::PoseFaults& faults) {
-  return {{"not_finite", faults.not_finite},     {"jumps", faults.jumps},
-          {"clock_steps", faults.clock_steps},   {"refused", faults.refused},
-          {"packets_lost", faults.packets_lost}, {"packets_late", faults.packets_late},
-          {"packets_bad", faults.packets_bad}};
+  return {
+      {"not_finite", faults.not_finite},           {"jumps", faults.jumps},
+      {"clock_steps", faults.clock_steps},         {"refused", faults.refused},
+      {"packets_lost", faults.packets_lost},       {"packets_late", faults.packets_late},
+      {"packets_bad", faults.packets_bad},         {"packets_version", faults.packets_version},
+      {"packets_foreign", faults.packets_foreign}, {"packets_unstamped", faults.packets_unstamped}};
 }
 
 nlohmann::json to_json(const SlipReport::Measured& slip) {
@@ -145,6 +147,24 @@ std::string slip_line(const SlipReport& slip) {
   return line.empty() ? line : "  slip of the contact points: " + line + "\n";
 }
 
+/// What a stream of poses left out, and why.
+std::string stream_line(const capture::PoseFaults& f) {
+  const std::pair<std::uint64_t, const char*> counts[] = {
+      {f.packets_lost, "lost"},
+      {f.packets_late, "late"},
+      {f.packets_bad, "damaged or of another layout"},
+      {f.packets_version, "of another version"},
+      {f.packets_foreign, "of another camera, source or sender"},
+      {f.packets_unstamped, "without a time stamp"}};
+  std::string line;
+  for (const auto& [count, what] : counts)
+    if (count > 0) line += fmt::format("{}{} {}", line.empty() ? "" : ", ", count, what);
+  if (f.refused > 0)
+    line += fmt::format("{}{} in which the camera's body is missing or not tracked",
+                        line.empty() ? "" : ", ", f.refused);
+  return "  packets of poses left out: " + line + "\n";
+}
+
 /// Lines about poses; empty where all frames have sound poses and no slip or true pose is known.
 std::string pose_line(const PoseReport& report) {
   const capture::PoseFaults& f = report.faults;
@@ -161,11 +181,7 @@ std::string pose_line(const PoseReport& report) {
         "  poses: jumps: {} between frames, {} in their stream; left out there: {} not finite; "
         "steps of their clock: {}\n",
         report.frames.jumps, f.jumps, f.not_finite, f.clock_steps);
-  if (f.packets_lost + f.packets_late + f.packets_bad + f.refused > 0)
-    line += fmt::format(
-        "  motion capture: packets: {} lost, {} late, {} bad; {} frames without the camera's "
-        "body\n",
-        f.packets_lost, f.packets_late, f.packets_bad, f.refused);
+  if (f.packets() + f.refused > 0) line += stream_line(f);
   if (report.error && report.error->frames() > 0)
     line += "  pose error against truth: " + report.error->to_line() + "\n";
   return line + slip_line(report.slip);

@@ -2,13 +2,16 @@
 // A camera tracker over the loopback: the sockets are real, the time is injected.
 #include "extras/broadcast/poses/camera_stream.h"
 
+#include <algorithm>
 #include <random>
+#include <string>
 
 #include <gtest/gtest.h>
 
 #include "extras/broadcast/packets/camera_angles.h"
 #include "extras/broadcast/packets/freed.h"
 #include "extras/broadcast/packets/opentrackio.h"
+#include "extras/broadcast/poses/stamp_scale.h"
 #include "host/output/datagrams/datagram_sender.h"
 #include "tests/support/progress.h"
 #include "tests/support/refusal.h"
@@ -61,6 +64,12 @@ class CameraStreamTest : public ::testing::Test {
     EXPECT_TRUE(test::comes_true(
         [&] { return poses_->stream()->packets + poses_->faults().packets_bad == sent_; }));
   }
+  /// Sends a sample of OpenTrackIO at once.
+  void send_at(Duration since_1970, const geometry::Pose& pose) {
+    send_stamped(since_1970, pose);
+    ++sent_;
+    EXPECT_TRUE(test::comes_true([&] { return poses_->stream()->packets == sent_; }));
+  }
   capture::CameraPose at(double t_s) {
     capture::Capture capture;
     capture.mid_exposure = stream_host(t_s);
@@ -84,9 +93,12 @@ class CameraStreamTest : public ::testing::Test {
     sender_->send(text_of_bytes(stream::freed_bytes(packet)));
   }
   void send_sample(double t_s, const std::optional<geometry::Pose>& pose) {
+    send_stamped(Duration(1'750'000'000'000'000'000 + std::llround(1e9 * t_s)), pose);
+  }
+  void send_stamped(Duration since_1970, const std::optional<geometry::Pose>& pose) {
     stream::OpenTrackSample sample;
     sample.number = sent_;
-    sample.time_ns = 1'750'000'000'000'000'000 + std::llround(1e9 * t_s);
+    sample.time_ns = since_1970.count();
     if (pose) {
       sample.angles = stream::camera_angles(pose->rotation);
       sample.position_m = pose->translation_m;
@@ -184,11 +196,66 @@ TEST_F(CameraStreamTest, DamagedPacketsAreCountedAndLeaveNoTrace) {
 }
 
 TEST_F(CameraStreamTest, APortThatIsTakenAndAnAddressThatIsNoneAreOneLine) {
-  open(true);
+  const test::UdpListener other;
+  options_.address = other.address();
   EXPECT_TRUE(test::refused(open_freed_poses(options_, clock_), {}, ErrorCode::kDevice));
   options_.address = "tracker:7000";
   EXPECT_EQ(open_freed_poses(options_, clock_).error().code, ErrorCode::kUsage);
   EXPECT_EQ(open_opentrack_poses(options_, clock_).error().code, ErrorCode::kUsage);
+}
+
+TEST(StampScale, IsThatWhichAgreesWithTheSystemClock) {
+  using std::chrono::milliseconds, std::chrono::seconds;
+  constexpr Duration kTai = seconds(37);
+  const UtcTime now(seconds(1'780'000'000));
+  struct Row {
+    bool stated;
+    Duration ahead;
+    Duration off;  ///< that is taken off
+    const char* says;
+  };
+  const Row rows[] = {
+      {false, milliseconds(-20), Duration(0), ""},
+      {false, milliseconds(500), Duration(0), ""},
+      {false, kTai - milliseconds(20), kTai, "they are PTP's (TAI): 37 s are taken off"},
+      {true, kTai - milliseconds(20), kTai, ""},
+      {false, seconds(12), Duration(0), "12.0 s ahead of this machine's system time"},
+      {false, seconds(-3600), Duration(0), "3600.0 s behind this machine's system time"},
+      {true, milliseconds(-20), kTai, "37.0 s behind this machine's PTP time"},
+  };
+  for (const Row& row : rows) {
+    testing::internal::CaptureStderr();
+    StampScale scale(row.stated, kTai);
+    const Duration stamp = now.time_since_epoch() + row.ahead;
+    for (int i = 0; i < 3; ++i)
+      EXPECT_EQ(scale.utc_of(stamp.count(), now), UtcTime(stamp - row.off));
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_NE(said.find(row.says), std::string::npos) << said;
+    EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), row.says[0] != 0) << said;
+  }
+}
+
+/// The scene says "system", or "ptp": the camera is where it was at the stamp of PTP.
+TEST_F(CameraStreamTest, StampsOfPtpAreTakenAsTai) {
+  for (const auto stamps :
+       {scene::TrackerStream::Stamps::kSystem, scene::TrackerStream::Stamps::kPtp}) {
+    options_.address = free_port();
+    options_.stamps = stamps, options_.delay_s = 0;
+    constexpr Duration kStep = std::chrono::milliseconds(40);
+    sent_ = 0;
+    open(false);
+    const HostTime begin = clock_.now();
+    const Duration system(std::chrono::system_clock::now().time_since_epoch());
+    for (int i = 0; i < 10; ++i) send_at(system + tai_minus_utc() + i * kStep, swing(0));
+    // The injected clock stands while the system's goes on.
+    capture::Capture capture;
+    capture.mid_exposure = begin + 3 * kStep;
+    const auto pose = poses_->pose_of(capture);
+    ASSERT_TRUE(pose.ok()) << capture::name(pose.loss);
+    EXPECT_LT(distance(pose.world_from_target, swing(0)).shift_m, 2e-5);
+    capture.mid_exposure = begin + tai_minus_utc();
+    EXPECT_EQ(poses_->pose_of(capture).loss, PoseLoss::kTooOld);
+  }
 }
 
 TEST(CameraStream, TheStatedNoiseHasACovarianceThatHolds) {

@@ -99,6 +99,21 @@ TEST_F(PoseSinkTest, OpenTrackIOSaysWhatSetsTheClock) {
   EXPECT_TRUE(told(ClockSource::kNotTold, [] { return true; }).is_null()) << "it is not known";
 }
 
+/// PTP counts TAI, which has been 37 s ahead of UTC since 2017.
+TEST_F(PoseSinkTest, WhatIsSentAsPtpIsTai) {
+  using ClockSource = scene::PoseOut::ClockSource;
+  const auto seconds_as = [&](ClockSource clock) {
+    scene::PoseOut out{Protocol::kOpenTrackJson, listener_.address()};
+    out.clock = clock;
+    EXPECT_TRUE(sink_of({out})->write(frame()));
+    return sample_in(listener_.awaited())["timing"]["sampleTimestamp"]["seconds"].get<int>();
+  };
+  EXPECT_EQ(seconds_as(ClockSource::kNtp), 1'750'000'004);
+  EXPECT_EQ(seconds_as(ClockSource::kNotTold), 1'750'000'004);
+  EXPECT_EQ(seconds_as(ClockSource::kPtp), 1'750'000'004 + seconds(tai_minus_utc()));
+  EXPECT_GE(tai_minus_utc(), std::chrono::seconds(37));
+}
+
 TEST_F(PoseSinkTest, ARecordingBeginsWhenTheRunDoes) {
   const auto sink = PoseSink::create({{Protocol::kOpenTrackJson, listener_.address()}}, kEpoch_ns,
                                      HostTime(std::chrono::seconds(100)), reports_);

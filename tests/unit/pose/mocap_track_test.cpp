@@ -2,7 +2,9 @@
 // A motion capture as it comes over a network: another clock, delay, jitter, lost frames.
 #include "host/pose/mocap/mocap_track.h"
 
+#include <algorithm>
 #include <random>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -110,9 +112,42 @@ TEST(MocapTrack, ADelayThatIsNotStatedCostsTheMotionDuringIt) {
   EXPECT_GT(distance(pose.world_from_target, swing(3.04)).shift_m, 0.02);
 }
 
+TEST(MocapTrack, SaysOnceWhyAFrameHasNoBody) {
+  struct Row {
+    std::vector<int> streamed;
+    int wanted;
+    const char* says;
+  };
+  const Row rows[] = {
+      {{3}, 0, ""},
+      {{3, 7}, 7, ""},
+      {{3, 7}, 0, "several bodies are streamed (3, 7): name the camera's by camera.body"},
+      {{2, 5, 11}, 0, "(2, 5, 11)"},
+      {{3, 7}, 4, "camera.body is 4, but only others are streamed (3, 7)"},
+      {{}, 0, "no body is streamed"},
+      {{}, 4, "camera.constellation"},
+  };
+  for (const Row& row : rows) {
+    MocapOptions wanted = options();
+    wanted.body_id = row.wanted;
+    MocapTrack track(wanted);
+    testing::internal::CaptureStderr();
+    for (int i = 0; i < 30; ++i) {
+      NatNetFrame frame = frame_at(i);
+      frame.bodies.clear();
+      for (const int id : row.streamed) frame.bodies.push_back({id, swing(0), 0.0002, true});
+      track.add(frame, host(i / kRate_hz + kDelay_s));
+    }
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_NE(said.find(row.says), std::string::npos) << said;
+    EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), row.says[0] != 0) << said;
+    EXPECT_EQ(track.at(host(0.2)).loss, row.says[0] != 0 ? PoseLoss::kNoSample : PoseLoss::kNone);
+  }
+}
+
 TEST(MocapTrack, IsLostBeforeAfterAndInGaps) {
   MocapTrack track(options());
-  EXPECT_EQ(track.at(host(0)).loss, PoseLoss::kOutside);
+  EXPECT_EQ(track.at(host(0)).loss, PoseLoss::kNoSample);
   for (int i = 120; i < 240; ++i)
     if (i < 180 || i > 200) track.add(frame_at(i), host(i / kRate_hz + kDelay_s));
   EXPECT_EQ(track.at(host(0.9)).loss, PoseLoss::kOutside);

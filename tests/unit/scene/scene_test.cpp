@@ -155,7 +155,7 @@ TEST(Scene, NamesWhereThePoseComesFrom) {
   const auto open = scene_of("pose = \"opentrackio:239.135.1.7:55555\"\nstamps = \"system\"\n");
   ASSERT_TRUE(open) << open.error().context;
   EXPECT_EQ(open->pose_source, PoseSource::kOpenTrack);
-  EXPECT_TRUE(open->camera.stream.system_stamps);
+  EXPECT_EQ(open->camera.stream.stamps, TrackerStream::Stamps::kSystem);
 
   const auto tracker = scene_of("pose = \"tracker\"\npredict = \"both\"\nsmooth_ms = 200\n");
   ASSERT_TRUE(tracker) << tracker.error().context;
