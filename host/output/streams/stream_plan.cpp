@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "host/output/streams/srt_keys.h"
+
 namespace mixrig::output {
 namespace {
 
@@ -122,7 +124,7 @@ void add_codec(const scene::StreamOut& out, Carrier carrier, Codec codec, Stream
       need("x264enc", kUgly);
       plan.description +=
           " ! x264enc tune=zerolatency speed-preset=veryfast pass=quant quantizer=16 "
-          "key-int-max=25 option-string=pic-struct=1 ! h264parse update-timecode=true";
+          "key-int-max=25 option-string=pic-struct=1 ! h264parse name=parse update-timecode=true";
       need("h264parse", kBad);
       if (carrier == Carrier::kMatroska) {
         need("matroskamux", kGood);
@@ -135,6 +137,7 @@ void add_codec(const scene::StreamOut& out, Carrier carrier, Codec codec, Stream
         return;
       }
       need("mpegtsmux", kBad);
+      plan.sends_messages = true;
       plan.description += " ! mpegtsmux alignment=7";
       if (carrier != Carrier::kRtp) return;
       need("rtpmp2tpay", kGood);
@@ -179,6 +182,10 @@ Result<void> add_end(const scene::StreamOut& out, const Where& where, std::size_
       if (!split_port(uri.substr(kScheme, after - kScheme), host, port))
         return stream_error(out, "names no host and port: give srt://HOST:PORT");
       plan.texts.emplace_back("uri", uri);
+      plan.host = host;
+      const auto calls = srt_calls(std::string_view(uri).substr(std::min(uri.find('?'), uri.size())));
+      if (!calls) return stream_error(out, calls.error().context);
+      plan.calls = *calls;
       return {};
     }
     case Carrier::kRtp: {
@@ -187,6 +194,7 @@ Result<void> add_end(const scene::StreamOut& out, const Where& where, std::size_
       if (!split_port(where.rest, host, plan.port.emplace()))
         return stream_error(out, "names no host and port: give rtp://HOST:PORT");
       if (host == "localhost") host = "127.0.0.1";  // of the family that the socket is bound for
+      plan.host = host;
       plan.texts.emplace_back("host", host);
       // Else its socket, which GStreamer does not connect, takes what any host sends.
       if (host.starts_with("127.")) plan.texts.emplace_back("bind-address", "127.0.0.1");

@@ -30,10 +30,13 @@ struct StreamPlan {
   std::vector<std::pair<std::string, std::string>> texts;  ///< text properties of the end
   std::optional<int> port;                                 ///< integer property of the end
   std::vector<StreamNeed> needs;
-  bool i420 = false;      ///< pictures must be given as I420 (i420.h)
-  bool timecode = false;  ///< the format carries timecode, which pictures must be given
-  bool waits = false;     ///< a file: feeding waits, no frame is dropped
-  std::string caps;       ///< caps that a receiver must be given by other means; empty: none needed
+  bool i420 = false;            ///< pictures must be given as I420 (i420.h)
+  bool timecode = false;        ///< the format carries timecode, which pictures must be given
+  bool waits = false;           ///< a file: feeding waits, no frame is dropped
+  std::string host;             ///< the receiver's, or the own one of a listener; empty: none
+  bool calls = false;           ///< the end calls a receiver, which may begin to listen later
+  bool sends_messages = false;  ///< the element "parse" writes messages that need end_messages()
+  std::string caps;  ///< caps that a receiver must be given by other means; empty: none needed
 };
 
 /// Plans a stream. Precondition: rate_hz > 0. Errors: kUsage for an invalid address, and for a

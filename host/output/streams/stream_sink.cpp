@@ -12,11 +12,14 @@
 #include "hal/base/log.h"
 #include "host/capture/take/streams/gst_pipeline.h"
 #include "host/output/streams/i420.h"
+#include "host/output/streams/stream_host.h"
+#include "host/output/streams/timing_message.h"
 
 namespace mixrig::output {
 namespace {
 
 constexpr guint64 kQueued = 2;  // pictures that wait for GStreamer
+constexpr Duration kCallEvery = std::chrono::seconds(2);
 
 std::vector<take::GstNeed> needs_of(const StreamPlan& plan) {
   std::vector<take::GstNeed> needs;
@@ -37,6 +40,36 @@ std::string free_file(const std::string& wanted) {
   return free.string();
 }
 
+/// Plans the stream with its receiver's numeric address. Errors: kUsage.
+Result<StreamPlan> plan_with_host(const scene::StreamOut& out, Size view, double rate_hz) {
+  MIXRIG_ASSIGN(StreamPlan plan, plan_stream(out, view, rate_hz));
+  if (plan.host.empty()) return plan;
+  const auto host = numeric_host(plan.host);
+  if (!host)
+    return Error{host.error().code, "stream_out \"" + out.uri + "\": " + host.error().context};
+  for (auto& [key, value] : plan.texts)
+    if (key == "host") value = *host;
+  return plan;
+}
+
+/// Mends the messages of each buffer that leaves an element.
+GstPadProbeReturn mend_messages(GstPad*, GstPadProbeInfo* info, gpointer) {
+  GstBuffer* const buffer = gst_buffer_make_writable(GST_PAD_PROBE_INFO_BUFFER(info));
+  GST_PAD_PROBE_INFO_DATA(info) = buffer;
+  GstMapInfo map;
+  if (gst_buffer_map(buffer, &map, GST_MAP_READWRITE) == 0) return GST_PAD_PROBE_OK;
+  const std::size_t all = map.size, size = end_messages({map.data, map.size});
+  gst_buffer_unmap(buffer, &map);
+  if (size < all) gst_buffer_set_size(buffer, static_cast<gssize>(size));
+  return GST_PAD_PROBE_OK;
+}
+
+void mend_messages_of(const take::GstElementPtr& parse) {
+  GstPad* const pad = gst_element_get_static_pad(parse.get(), "src");
+  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, mend_messages, nullptr, nullptr);
+  gst_object_unref(pad);
+}
+
 /// Waits up to a second for pictures that are on their way; a receiver that takes nothing must not
 /// delay the run.
 void wait_shortly(GstElement* pipeline) {
@@ -52,7 +85,7 @@ void wait_shortly(GstElement* pipeline) {
 struct StreamSink::Graph {
   take::Pipeline pipeline;
   take::GstElementPtr source;
-  bool waits = false, i420 = false;
+  bool waits = false, i420 = false, calls = false;
 };
 
 StreamSink::StreamSink(const scene::StreamOut& out, Size view, double rate_hz, bool transparent,
@@ -65,7 +98,7 @@ StreamSink::StreamSink(const scene::StreamOut& out, Size view, double rate_hz, b
 StreamSink::~StreamSink() = default;
 
 Result<void> StreamSink::check(const scene::StreamOut& out, Size view, double rate_hz) {
-  MIXRIG_ASSIGN(const StreamPlan plan, plan_stream(out, view, rate_hz));
+  MIXRIG_ASSIGN(const StreamPlan plan, plan_with_host(out, view, rate_hz));
   return take::check_elements(needs_of(plan), "stream_out \"" + out.uri + "\"");
 }
 
@@ -74,7 +107,7 @@ Result<std::unique_ptr<StreamSink>> StreamSink::create(const scene::StreamOut& w
                                                        RoomBehind behind,
                                                        std::optional<Duration> day_at_zero) {
   scene::StreamOut out = wanted;
-  MIXRIG_ASSIGN(StreamPlan plan, plan_stream(out, view, rate_hz));
+  MIXRIG_ASSIGN(StreamPlan plan, plan_with_host(out, view, rate_hz));
   if (plan.waits) out.uri = free_file(wanted.uri);
   if (out.uri != wanted.uri) {
     log_warning("output", "stream_out: '" + wanted.uri + "' is there and stays: this run writes '" +
@@ -90,8 +123,10 @@ Result<std::unique_ptr<StreamSink>> StreamSink::create(const scene::StreamOut& w
     g_object_set(end.get(), key.c_str(), value.c_str(), nullptr);
   if (plan.port) g_object_set(end.get(), "port", *plan.port, nullptr);
   take::GstElementPtr source(pipeline.element("source"));
+  if (plan.sends_messages) mend_messages_of(take::GstElementPtr(pipeline.element("parse")));
   MIXRIG_TRY(pipeline.play());
-  sink->graph_.reset(new Graph{std::move(pipeline), std::move(source), plan.waits, plan.i420});
+  sink->graph_.reset(
+      new Graph{std::move(pipeline), std::move(source), plan.waits, plan.i420, plan.calls});
   constexpr double kSlowest_hz = 0.5;
   if (plan.timecode && rate_hz >= kSlowest_hz) sink->timecode_.emplace(rate_hz, day_at_zero);
   if (!plan.caps.empty())
@@ -99,9 +134,20 @@ Result<std::unique_ptr<StreamSink>> StreamSink::create(const scene::StreamOut& w
   return sink;
 }
 
-bool StreamSink::has_room() {
+/// Begins anew after a failure of an end that calls its receiver.
+bool StreamSink::call_again(HostTime now) {
+  if (!called_)
+    log_warning("output", "stream_out \"" + out_.uri +
+                              "\": nobody listens there: it is called again until somebody does");
+  if (called_ && std::chrono::abs(now - *called_) < kCallEvery) return false;
+  called_ = now;
+  return graph_->pipeline.restart().has_value();
+}
+
+bool StreamSink::has_room(HostTime now) {
   if (ended_) return false;
   if (graph_->pipeline.has_failed()) {
+    if (graph_->calls) return call_again(now);
     ended_ = true;
     log_warning("output", to_line(graph_->pipeline.error(ErrorCode::kIo,
                                                          "stream_out \"" + out_.uri + "\" ended")) +
@@ -117,7 +163,7 @@ Result<void> StreamSink::write(const CompositePtr& composite) {
   if (!first_) first_ = exposed;
   if (graph_->waits && graph_->pipeline.has_failed())
     return graph_->pipeline.error(ErrorCode::kIo, "cannot write '" + out_.uri + "'");
-  if (!has_room()) {
+  if (!has_room(exposed)) {
     ++report_.dropped;
     return {};
   }

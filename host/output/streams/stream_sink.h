@@ -24,11 +24,11 @@ struct StreamOutReport {
 
 /// Sends pictures stamped with their mid-exposure, 0 for the first. A network receiver that is
 /// slow, absent or gone loses pictures, which are counted; a file gets all. A failing end is logged
-/// once.
+/// once; one that calls by SRT is begun anew every two seconds of exposures.
 class StreamSink final : public CompositeSink {
  public:
-  /// Checks what can be checked before the first picture. Errors: kUsage (plan_stream()),
-  /// kUnsupported with the Debian package of a missing plug-in.
+  /// Checks what can be checked before the first picture. Errors: kUsage (plan_stream(),
+  /// a host that is not known), kUnsupported with the Debian package of a missing plug-in.
   static Result<void> check(const scene::StreamOut& out, Size view, double rate_hz);
   /// Opens the stream. A file that is there stays: NAME-2.mkv and so on is written, which a warning
   /// and the report say. Timecode begins at the time of day if `day_at_zero`, the time of day at
@@ -50,7 +50,8 @@ class StreamSink final : public CompositeSink {
   StreamSink(const scene::StreamOut& out, Size view, double rate_hz, bool transparent,
              RoomBehind behind);
   /// False if the picture must be dropped.
-  bool has_room();
+  bool has_room(HostTime now);
+  bool call_again(HostTime now);
 
   const scene::StreamOut out_;
   const Size view_;
@@ -63,6 +64,7 @@ class StreamSink final : public CompositeSink {
   std::optional<HostTime> first_;
   Duration last_{-1};  ///< time stamp of the last picture
   bool ended_ = false;
+  std::optional<HostTime> called_;  ///< when a receiver that did not answer was called last
 };
 
 }  // namespace mixrig::output

@@ -60,6 +60,22 @@ TEST(StreamPlan, AListenerWithoutAnAddressHearsThisMachineAlone) {
             "srt://127.0.0.1:7001?mode=listener");
 }
 
+TEST(StreamPlan, KeysOfSrtAreReadOrRefused) {
+  EXPECT_TRUE(plan("srt://a:1")->calls);
+  EXPECT_TRUE(plan("srt://a:1?latency=200&mode=caller&passphrase=0123456789")->calls);
+  EXPECT_FALSE(plan("srt://:1?mode=listener&pbkeylen=32")->calls);
+  EXPECT_FALSE(plan("rtp://a:1")->calls);
+  const std::pair<const char*, const char*> wrong[] = {
+      {"srt://a:1?pasphrase=0123456789", "no key \"pasphrase\""},
+      {"srt://a:1?passphrase=short", "10 to 79"},
+      {"srt://a:1?mode=client", "caller, listener or rendezvous"},
+      {"srt://a:1?pbkeylen=128", "16, 24 or 32"},
+      {"srt://a:1?", "no key \"\""},
+      {"srt://a:1?latency=1&&mode=caller", "no key \"\""}};
+  for (const auto& [uri, says] : wrong)
+    EXPECT_TRUE(test::refused(plan(uri), {uri, says}, ErrorCode::kUsage)) << uri;
+}
+
 TEST(StreamPlan, OddSidesAreRefusedWhereTheCodecCannotHoldThem) {
   scene::StreamOut out;
   out.uri = "srt://127.0.0.1:7001";

@@ -3,6 +3,7 @@
 // Without these programs (scripts/setup peers) the tests that need them are skipped.
 #include "host/output/streams/stream_sink.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 
@@ -11,6 +12,7 @@
 #include "tests/support/child_process.h"
 #include "tests/support/each_pixel.h"
 #include "tests/support/progress.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/udp_listener.h"
 
@@ -234,6 +236,48 @@ TEST_F(StreamSinkTest, FfmpegReceivesSrtAndRtp) {
     ASSERT_EQ(rgb.size(), 5U * 3 * static_cast<std::size_t>(kBars.area()))
         << scheme << test::read_bytes(folder_ / "log");
     EXPECT_LE(worst_of_bars(rgb, 4), 2) << scheme;
+    const std::string said = test::read_bytes(folder_ / "log");
+    EXPECT_EQ(said.find("SEI"), std::string::npos) << said << ": the messages are not as they must";
+  }
+}
+
+/// The rig boots before the mixer.
+TEST_F(StreamSinkTest, CallsAReceiverUntilItListens) {
+  if (!has_program("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
+  testing::internal::CaptureStderr();
+  const std::string address = "srt://127.0.0.1:" + any_port();
+  const auto sink = sink_of(address, Picture::kFill);
+  ASSERT_TRUE(sink);
+  int number = 0;
+  // Longer than the 3 s for which SRT calls.
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_TRUE(test::comes_true([&] {
+    EXPECT_TRUE(sink->write(bars_frame(++number)));
+    std::this_thread::yield();
+    return std::chrono::steady_clock::now() - begin > std::chrono::seconds(5);
+  }));
+  test::ChildProcess ffmpeg({"ffmpeg", "-y", "-v", "error", "-i", address + "?mode=listener",
+                             "-frames:v", "5", "-f", "null", "-"},
+                            100, folder_ / "log");
+  send_to(*sink, ffmpeg);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("nobody listens there"), std::string::npos) << said;
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+}
+
+TEST_F(StreamSinkTest, AHostThatIsNotKnownIsRefusedBeforeTheRun) {
+  scene::StreamOut out;
+  for (const char* uri : {"rtp://mixer.invalid:5004", "rtp://127.0.0.1 :5004", "rtp://-:5004",
+                          "srt://mixer.invalid:7001", "rtp://300.0.0.1:5004"}) {
+    out.uri = uri;
+    EXPECT_TRUE(test::refused(StreamSink::check(out, kBars, kBars_hz), {uri, "is not known"},
+                              ErrorCode::kUsage))
+        << uri;
+  }
+  for (const char* uri : {"rtp://localhost:5004", "rtp://127.0.0.1:5004",
+                          "srt://:7001?mode=listener", "srt://[::1]:7001"}) {
+    out.uri = uri;
+    EXPECT_TRUE(StreamSink::check(out, kBars, kBars_hz)) << uri;
   }
 }
 

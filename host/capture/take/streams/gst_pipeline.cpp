@@ -110,6 +110,11 @@ Result<void> Pipeline::play() {
   return error(ErrorCode::kIo, "cannot open '" + name_ + "'");
 }
 
+Result<void> Pipeline::restart() {
+  gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+  return play();  // its messages went with the state
+}
+
 Error Pipeline::error(ErrorCode code, const std::string& what) const {
   GstBus* bus = gst_element_get_bus(pipeline_.get());
   std::string why;

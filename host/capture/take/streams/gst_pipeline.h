@@ -43,6 +43,9 @@ class Pipeline {
   GstElement* element(const char* name) const;
   /// Starts the pipeline. Errors: kIo with the pipeline's own message.
   Result<void> play();
+  /// Stops the pipeline, drops what it holds and its messages, and starts it. Errors: those of
+  /// play().
+  Result<void> restart();
   /// Returns the last error that the pipeline posted, as "WHAT: WHY".
   Error error(ErrorCode code, const std::string& what) const;
   bool has_failed() const;
