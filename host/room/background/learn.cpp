@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "hal/base/log.h"
 #include "host/capture/capture/capture_reader.h"
 #include "host/room/background/frame_lens.h"
 #include "host/room/background/frame_views.h"
@@ -66,6 +67,17 @@ std::optional<PosedView> posed_view(const render::CompositorSetup& setup,
   return view;
 }
 
+/// Says where people or things were in the frames, and what that cost.
+void tell(const model::StaticBackground& background) {
+  constexpr double kTold = 0.02;  // an empty room has 1 % at borders of depth
+  if (background.covered_share < kTold && background.unseen_share < kTold) return;
+  log_warning("room",
+              fmt::format("people or things that come and go cover {:.1f} % of the picture in the "
+                          "frames to learn from: they are left out; in {:.1f} % the room was never "
+                          "seen: give more frames, or frames of the empty room",
+                          100 * background.covered_share, 100 * background.unseen_share));
+}
+
 /// Reads the same frames again, and draws each in one wide view.
 Result<model::StaticBackground> learn_moving(capture::CaptureSource& source,
                                              const render::CompositorSetup& setup, FrameRange range,
@@ -91,6 +103,7 @@ Result<model::StaticBackground> learn_moving(capture::CaptureSource& source,
     }
   }
   MIXRIG_ASSIGN(model::StaticBackground background, builder.finish());
+  tell(background);
   background.world_from_view = wide.world_from_camera;
   return background;
 }
@@ -181,6 +194,7 @@ Result<model::StaticBackground> learn_background(capture::CaptureSource& source,
   if (!moves) {
     if (!builder) builder.emplace(setup.view);
     MIXRIG_ASSIGN(model::StaticBackground background, builder->finish());
+    tell(background);
     if (!known.empty() && (poses != nullptr || setup.lens_moves))
       background.world_from_view = known.front().world_from_camera;
     return background;

@@ -3,12 +3,14 @@
 #include "host/room/background/static_background.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <span>
 
 #include "hal/base/order_statistics.h"
 #include "hal/base/parallel.h"
 #include "hal/base/srgb.h"
+#include "host/room/background/room_surface.h"
 
 namespace mixrig::model {
 namespace {
@@ -30,6 +32,12 @@ Spread robust_spread(std::span<float> values) {
   const float center = median_in_place(values);
   for (float& value : values) value = std::abs(value - center);
   return {center, kSigmaPerMad * median_in_place(values)};
+}
+
+/// Whether something stood before the room in several of the frames that measured a pixel.
+bool is_covered(const RoomSurface& room, int measured) {
+  constexpr int kSeldom = 20;  // one frame in so many is chance, at a border of depth
+  return room.nearer >= 2 && kSeldom * room.nearer > measured;
 }
 
 std::uint16_t to_steps(float depth_m) {
@@ -113,7 +121,8 @@ Result<StaticBackground> StaticBackgroundBuilder::finish() {
   out.color.reset(view_.size_px);
   out.color_sigma.reset(view_.size_px);
   const bool moving = views_ == Views::kDifferent;
-  const auto learn_depth = [&](int x, int y, std::vector<float>& values) {
+  std::atomic<int> covered = 0, unseen = 0;
+  const auto learn_depth = [&](int x, int y, std::vector<float>& values) -> RoomSurface {
     values.clear();
     for (const Kept& frame : kept_) {
       if (!frame.has(x, y)) continue;
@@ -121,21 +130,39 @@ Result<StaticBackground> StaticBackgroundBuilder::finish() {
       if (steps != 0) values.push_back(kStep_m * steps);
     }
     const int count = static_cast<int>(values.size());
-    if (moving ? count < kFewestFrames : 3 * count < frames) return;
+    const auto is_known = [&](int of, int among) {
+      return moving ? of >= kFewestFrames : 3 * of >= among;
+    };
+    RoomSurface room = room_surface(values);
+    covered += is_covered(room, count);
+    if (count == 0 || !is_known(room.count, frames - room.nearer)) {
+      unseen += count > 0 && is_known(count, frames);
+      return {};
+    }
+    std::erase_if(values, [&](float z_m) { return !room.has(z_m); });
     const Spread z = robust_spread(values);
     out.depth_m.row(y)[x] = z.center;
     out.depth_sigma_m.row(y)[x] = std::max(z.sigma, kLeastDepthSigma_m);
+    return room;
   };
   const auto& linear = linear_of_srgb_bytes();
-  const auto learn_channel = [&](int x, int y, std::uint8_t Rgb8::*channel,
+  const auto learn_channel = [&](int x, int y, const RoomSurface& room, std::uint8_t Rgb8::*channel,
                                  std::vector<float>& values) {
-    values.clear();
-    for (const Kept& frame : kept_) {
-      if (!frame.has(x, y)) continue;
-      const int row = y - frame.y0, column = x - frame.x0;
-      if (!moving || frame.depth.row(row)[column] != 0)
-        values.push_back(linear[frame.color.row(row)[column].*channel]);
-    }
+    // Where the room has no depth, what has one stands before it.
+    const auto add_where = [&](const auto& is_of_room) {
+      values.clear();
+      for (const Kept& frame : kept_) {
+        if (!frame.has(x, y)) continue;
+        const int row = y - frame.y0, column = x - frame.x0;
+        if (is_of_room(frame.depth.row(row)[column]))
+          values.push_back(linear[frame.color.row(row)[column].*channel]);
+      }
+      return static_cast<int>(values.size()) >= kFewestFrames;
+    };
+    if (room.count > 0)
+      add_where([&](std::uint16_t steps) { return steps != 0 && room.has(kStep_m * steps); });
+    else if (!add_where([](std::uint16_t steps) { return steps == 0; }))
+      add_where([](std::uint16_t) { return true; });
     return robust_spread(values);
   };
   Crew crew;
@@ -143,19 +170,21 @@ Result<StaticBackground> StaticBackgroundBuilder::finish() {
     std::vector<float> values;
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < view_.size_px.width; ++x) {
-        learn_depth(x, y, values);
+        const RoomSurface room = learn_depth(x, y, values);
         if (moving && !(out.depth_m.row(y)[x] > 0)) {
           out.color.row(y)[x] = {-1, -1, -1};
           continue;
         }
-        const Spread r = learn_channel(x, y, &Rgb8::r, values),
-                     g = learn_channel(x, y, &Rgb8::g, values),
-                     b = learn_channel(x, y, &Rgb8::b, values);
+        const Spread r = learn_channel(x, y, room, &Rgb8::r, values),
+                     g = learn_channel(x, y, room, &Rgb8::g, values),
+                     b = learn_channel(x, y, room, &Rgb8::b, values);
         out.color.row(y)[x] = {r.center, g.center, b.center};
         out.color_sigma.row(y)[x] =
             std::max((r.sigma + g.sigma + b.sigma) / 3.0F, kLeastColorSigma);
       }
   });
+  out.covered_share = static_cast<double>(covered) / static_cast<double>(view_.size_px.area());
+  out.unseen_share = static_cast<double>(unseen) / static_cast<double>(view_.size_px.area());
   kept_ = {};
   seen_ = 0;
   const auto row_has_depth = [&](int y) {

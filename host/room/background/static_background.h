@@ -19,13 +19,17 @@ namespace mixrig::model {
 /// Learned picture of a room without people. All images have the view's size.
 struct StaticBackground {
   geometry::Pinhole view;
-  Image<float> depth_m;        ///< median of z, 0 = never measured
+  Image<float> depth_m;        ///< median of z of the room's surface, 0 = never measured
   Image<float> depth_sigma_m;  ///< robust sigma of one measurement
   Image<Rgbf> color;           ///< linear, median; red -1 where unknown
   Image<float> color_sigma;    ///< linear, robust sigma of one channel (mean over channels)
   std::optional<geometry::Plane> floor;  ///< camera axes, normal towards the camera
   int frames = 0;
   std::optional<geometry::Pose> world_from_view;  ///< pose at which it was learned, if known
+  /// Shares of the view, known after learning only: where something stood before the room in
+  /// several frames, and where only things that come and go were measured, so that the room is
+  /// unknown.
+  double covered_share = 0, unseen_share = 0;
 };
 
 /// Whether the frames to learn from have one pose.
@@ -35,7 +39,7 @@ enum class Views {
   kDifferent,
 };
 
-/// Collects empty frames. A person may cover a pixel in a minority of them. Not thread-safe.
+/// Collects frames of the room, in which people may move. Not thread-safe.
 class StaticBackgroundBuilder {
  public:
   /// Keeps at most `max_frames`, spread over those added (memory: about 5 bytes a pixel and frame;
@@ -45,9 +49,10 @@ class StaticBackgroundBuilder {
   /// Adds a frame: depth warped into the view (z in metres, 0 unknown) and the plate in the view
   /// (sRGB). Errors: kData for a wrong size.
   Result<void> add(ImageView<const float> depth_m, ImageView<const Rgb8> color);
-  /// Computes the background: for each pixel the median and 1.4826 MAD of the known depths, unknown
-  /// where less than a third of the frames measured it, likewise the colour in linear light, then
-  /// the floor. Errors: kData with less than 3 frames or without any known depth.
+  /// Computes the background: for each pixel the median and 1.4826 MAD of the depths of the room's
+  /// surface (room_surface.h), unknown where less than a third of the frames with nothing before it
+  /// measured it, likewise the colour of these frames in linear light, then the floor. Errors:
+  /// kData with less than 3 frames or without any known depth.
   Result<StaticBackground> finish();
 
  private:

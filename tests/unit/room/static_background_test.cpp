@@ -89,6 +89,47 @@ TEST(StaticBackground, APersonInAMinorityOfTheFramesDoesNoHarm) {
     }
 }
 
+/// People stand at other places, in most of the frames; the wall is what most frames agree on.
+TEST(StaticBackground, PeopleInMostOfTheFramesAreLeftOutWhereTheyMove) {
+  std::mt19937 random(5);
+  StaticBackgroundBuilder builder(kPlateView);
+  constexpr int kFrames = 30;
+  for (int i = 0; i < kFrames; ++i) {
+    Frame frame = noisy_wall(random);
+    for (int x = 0; x < 8; ++x)  // in 20 of 30 frames, at a different distance in each
+      for (int y = 0; y < kSize.height; ++y)
+        if (i % 3 != 0) {
+          frame.depth_m.at(x, y) = 0.5F + 0.04F * static_cast<float>(i);
+          frame.color.at(x, y) = {250, 20, 20};
+        }
+    for (int x = 12; x < 16; ++x)  // one stands still in half of the frames
+      for (int y = 0; y < kSize.height; ++y)
+        if (i % 2 == 0) frame.depth_m.at(x, y) = 1.2F, frame.color.at(x, y) = {20, 250, 20};
+    for (int y = 0; y < kSize.height; ++y)  // a window with somebody before it now and then
+      frame.depth_m.at(20, y) = i < 12 ? 0.5F + 0.1F * static_cast<float>(i) : 0;
+    ASSERT_TRUE(builder.add(frame.depth_m, frame.color));
+  }
+  const StaticBackground background = learned(builder);
+  for (int y = 0; y < kSize.height; ++y)
+    for (int x = 0; x < kSize.width; ++x) {
+      EXPECT_NEAR(background.depth_m.at(x, y), x == 20 ? 0.0 : 2.0, 0.03) << x;
+      if (x == 20) continue;
+      EXPECT_NEAR(background.color.at(x, y).r, linear(100), 0.05) << x;
+    }
+  EXPECT_NEAR(background.covered_share, 13.0 / kSize.width, 1e-9) << "with the window";
+  EXPECT_NEAR(background.unseen_share, 1.0 / kSize.width, 1e-9);
+}
+
+TEST(StaticBackground, WhoStandsStillInNearlyAllFramesIsTakenForTheRoom) {
+  StaticBackgroundBuilder builder(kPlateView);
+  for (int i = 0; i < 20; ++i) {
+    Frame frame;
+    frame.depth_m.fill(i < 18 ? 1.0F : 2.0F);
+    ASSERT_TRUE(builder.add(frame.depth_m, frame.color));
+  }
+  EXPECT_NEAR(learned(builder).depth_m.at(3, 3), 1.0, 1e-3);
+}
+
 TEST(StaticBackground, APixelMeasuredInFewerThanAThirdOfTheFramesIsUnknown) {
   StaticBackgroundBuilder builder(kPlateView);
   for (int i = 0; i < 9; ++i) {
@@ -111,19 +152,19 @@ TEST(StaticBackground, APixelMeasuredInFewerThanAThirdOfTheFramesIsUnknown) {
 }
 
 TEST(StaticBackground, MoreFramesThanFitAreSpreadOverAllOfThem) {
-  // Depth grows evenly from 1 to 2 m: so must that of the kept frames.
+  // Depth grows evenly by 0.1 m: so must that of the kept frames.
   StaticBackgroundBuilder builder(kPlateView, 16);
   for (int i = 0; i < 100; ++i) {
     Frame frame;
-    frame.depth_m.fill(1.0F + 0.01F * static_cast<float>(i));
+    frame.depth_m.fill(1.0F + 0.001F * static_cast<float>(i));
     ASSERT_TRUE(builder.add(frame.depth_m, frame.color));
   }
   const StaticBackground background = learned(builder);
   EXPECT_LE(background.frames, 16);
   EXPECT_GE(background.frames, 8);
-  EXPECT_NEAR(background.depth_m.at(5, 5), 1.5, 0.05);
-  // Deviations of an even spread over 1 m have the median 0.25 m.
-  EXPECT_NEAR(background.depth_sigma_m.at(5, 5), 1.4826 * 0.25, 0.08);
+  EXPECT_NEAR(background.depth_m.at(5, 5), 1.05, 0.005);
+  // Deviations of an even spread over 0.1 m have the median 0.025 m.
+  EXPECT_NEAR(background.depth_sigma_m.at(5, 5), 1.4826 * 0.025, 0.008);
 }
 
 /// Frames of a camera that moves see parts of the view: a pixel is learned from those that saw it.
