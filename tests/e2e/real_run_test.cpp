@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // `mixrig run` on a real recording (label data) in which people enter and leave a room.
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "tests/e2e/command.h"
+#include "tests/support/temporary_folder.h"
 
 namespace mixrig::test {
 namespace {
@@ -34,6 +37,51 @@ TEST_F(RealRun, EmptyFramesOfTheLabKeyNothingAndPeopleAreKeyed) {
     EXPECT_LE(foreground_pct[static_cast<std::size_t>(frame - 27)], 0.1)
         << "frame " << frame << " is empty";
   EXPECT_GE(*std::max_element(foreground_pct.begin(), foreground_pct.end()), 15.0);
+}
+
+/// People stand in most of frames 27 to 90 and in few of 1 to 26.
+TEST_F(RealRun, PeopleInTheFramesToLearnFromAreLeftOutOfTheRoom) {
+  std::vector<std::vector<double>> foreground_pct;
+  for (const char* frames : {"7-26", "1-90", "27-90"}) {
+    const std::string name = path(std::string("room-") + frames), out = name + "-out";
+    ASSERT_EQ(mixrig("scan --static " + lab_ + "/take.toml --frames " + frames + " " + name), 0);
+    std::ofstream(name + ".toml") << "[camera]\npose = \"floor\"\n[background]\nmodel = \"" << name
+                                  << "\"\n[key]\nthreshold_m = 0.08\nnoise_factor = 4.0\n";
+    ASSERT_EQ(mixrig("run " + name + ".toml --source take:" + lab_ + "/take.toml --frames 91-108 " +
+                     "--out " + out + " --backend cpu --format none"),
+              0);
+    foreground_pct.push_back(column(out + "/frames.csv", 4));
+    ASSERT_EQ(foreground_pct.back().size(), 18U);
+  }
+  for (const auto& learned : foreground_pct)
+    for (std::size_t i = 0; i < learned.size(); ++i) {
+      const double empty_pct = foreground_pct[0][i];
+      EXPECT_NEAR(learned[i], empty_pct, 0.3 + 0.1 * empty_pct) << "frame " << 91 + i;
+    }
+}
+
+/// A Kinect v1 whose colour its driver puts onto the depth, and the same with its centre 6 px
+/// aside.
+TEST_F(RealRun, InfoMeasuresHowFarDepthStepsLieFromThePicturesEdges) {
+  const std::string take =
+      std::string(std::getenv("MIXRIG_SOURCE") ? std::getenv("MIXRIG_SOURCE") : ".") +
+      "/tests/data/kinect1_turntable/take.toml";
+  std::string text = read_bytes(take);
+  const std::size_t at = text.find("cx = ", text.find("[target]"));
+  ASSERT_NE(at, std::string::npos);
+  const double cx_px = std::stod(text.substr(at + 5));
+  text.replace(at, text.find('\n', at) - at, "cx = " + std::to_string(cx_px + 6));
+  std::filesystem::create_directory(path("aside"));
+  std::ofstream(path("aside") + "/take.toml") << text;
+  std::vector<double> median_px;
+  for (const std::string& of : {take, path("aside") + "/take.toml"}) {
+    ASSERT_EQ(mixrig("info " + of + " --json " + path("info.json")), 0);
+    const auto found = report("info.json").at("registration");
+    EXPECT_GE(found.at("matched_share"), 0.5);
+    median_px.push_back(found.at("median_px"));
+  }
+  EXPECT_LE(median_px[0], 3.0);
+  EXPECT_GE(median_px[1], 4.5);
 }
 
 }  // namespace

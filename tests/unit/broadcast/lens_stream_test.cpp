@@ -13,6 +13,7 @@
 
 #include "extras/broadcast/lens/freed_lens.h"
 #include "tests/support/threaded_clock.h"
+#include "tests/support/udp_listener.h"
 
 namespace mixrig::live {
 namespace {
@@ -93,11 +94,16 @@ TEST(LensStream, IsThereWhereTheRigHasOne) {
   auto none = LensStream::open(rig, devices, clock);
   ASSERT_TRUE(none);
   EXPECT_EQ(*none, nullptr);
-  const auto taken = stream::FreeDReceiver::open({"127.0.0.1", 0, {}});
-  ASSERT_TRUE(taken);
+  const auto pose = stream::FreeDReceiver::open({"127.0.0.1", 0, {}});
+  ASSERT_TRUE(pose);
   rig.file = "rig.toml";
-  rig.lens_uri = "freed:" + std::to_string(taken->port());
+  rig.lens_uri = "freed:" + std::to_string(pose->port());
   devices.lens = stream::freed_lens_kind().lens;
+  const auto shared = LensStream::open(rig, devices, clock);
+  ASSERT_TRUE(shared) << shared.error().context;
+  EXPECT_NE(*shared, nullptr) << "the camera's pose comes by the same port";
+  const test::UdpListener taken;  // by another program
+  rig.lens_uri = "freed:" + taken.address();
   const auto refused = LensStream::open(rig, devices, clock);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().context.rfind("rig.toml: lens.uri: FreeD: cannot listen", 0), 0U)
