@@ -147,7 +147,7 @@ std::string slip_line(const SlipReport& slip) {
   return line.empty() ? line : "  slip of the contact points: " + line + "\n";
 }
 
-/// What a stream of poses left out, and why.
+/// Packets of a stream of poses that gave none, by reason.
 std::string stream_line(const capture::PoseFaults& f) {
   const std::pair<std::uint64_t, const char*> counts[] = {
       {f.packets_lost, "lost"},
@@ -162,7 +162,7 @@ std::string stream_line(const capture::PoseFaults& f) {
   if (f.refused > 0)
     line += fmt::format("{}{} in which the camera's body is missing or not tracked",
                         line.empty() ? "" : ", ", f.refused);
-  return "  packets of poses left out: " + line + "\n";
+  return "  pose packets: " + line + "\n";
 }
 
 /// Lines about poses; empty where all frames have sound poses and no slip or true pose is known.

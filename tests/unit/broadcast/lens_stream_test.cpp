@@ -108,6 +108,8 @@ TEST(LensStream, IsThereWhereTheRigHasOne) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().context.rfind("rig.toml: lens.uri: FreeD: cannot listen", 0), 0U)
       << refused.error().context;
+  EXPECT_NE(refused.error().context.find("Address already in use"), std::string::npos)
+      << refused.error().context;
 }
 
 TEST(LensUri, IsCheckedBeforeDevicesAreOpened) {

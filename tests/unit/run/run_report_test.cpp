@@ -123,8 +123,19 @@ TEST(RunReport, TellsWhereThePosesCameFromAndWhatWasLost) {
   EXPECT_EQ(pose["age_ms"]["p50"], 2.0);
   const std::string table = to_table(report);
   for (const char* part : {"pose lost in 1 frames (too_old 1): virtual objects hidden",
-                           "steps of their clock: 1", "packets: 7 lost"})
+                           "steps of their clock: 1", "pose packets: 7 lost\n"})
     EXPECT_NE(table.find(part), std::string::npos) << table;
+  capture::PoseFaults& faults = report.pose.faults;
+  faults.packets_late = 1, faults.packets_bad = 2, faults.packets_version = 3;
+  faults.packets_foreign = 4, faults.packets_unstamped = 5, faults.refused = 6;
+  EXPECT_NE(
+      to_table(report).find(
+          "pose packets: 7 lost, 1 late, 2 damaged or of another layout, 3 of another "
+          "version, 4 of another camera, source or sender, 5 without a time stamp, 6 in which "
+          "the camera's body is missing or not tracked\n"),
+      std::string::npos)
+      << to_table(report);
+  EXPECT_EQ(to_json(report)["pose"]["stream"]["packets_foreign"], 4);
   EXPECT_TRUE(to_json(three_frames())["pose"]["age_ms"].is_null());
   EXPECT_EQ(to_table(three_frames()).find("pose"), std::string::npos) << "nothing to say";
 }

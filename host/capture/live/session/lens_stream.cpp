@@ -17,7 +17,7 @@ Result<std::unique_ptr<LensStream>> LensStream::open(const RigConfig& config,
   auto receiver = devices.lens.open(config.lens_uri);
   if (!receiver)
     return Error{receiver.error().code,
-                 config.file.string() + ": lens.uri: " + receiver.error().context};
+                 config.file.string() + ": lens.uri: " + to_line(receiver.error())};
   return std::make_unique<LensStream>(*std::move(receiver), config.lens_delay, clock);
 }
 
