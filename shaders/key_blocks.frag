@@ -4,18 +4,16 @@
 //   state  of key_state.frag
 //   w      1/m, negative where a cut cell drew it
 //   plate  linear light, view
-//   limit_w  as in key_state.frag
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/key.glsl"
 layout(binding = 0) uniform sampler2D state;
 layout(binding = 1) uniform sampler2D w;
 layout(binding = 2) uniform sampler2D plate;
-layout(binding = 3) uniform sampler2D limit_w;
 layout(location = 0) out vec4 counts;
 layout(location = 1) out vec4 colors;
 layout(location = 2) out vec4 rooms;
-uniform bool needs_room, by_volume;
+uniform bool needs_room;
 
 void main() {
   ivec2 first = ivec2(gl_FragCoord.xy) * block_px;
@@ -24,11 +22,12 @@ void main() {
   for (int y = first.y; y < last.y; ++y)
     for (int x = first.x; x < last.x; ++x) {
       ivec2 at = ivec2(x, y);
-      int s = to_state(texelFetch(state, at, 0).r);
+      float stored = texelFetch(state, at, 0).r;
+      int s = to_state(stored);
       b.others = b.others || s != foreground;
       b.doubt = b.doubt || s == doubt;
       float pixel_w = texelFetch(w, at, 0).r, measured = abs(pixel_w);
-      if (!by_volume && measured > 0.0 && measured < texelFetch(limit_w, at, 0).g) b.mirrored += 1.0;
+      if (state_byte(stored) >= state_mirrored) b.mirrored += 1.0;
       if (needs_room && s == background) {
         vec3 color = texelFetch(plate, at, 0).rgb;
         b.room += 1.0;

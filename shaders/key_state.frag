@@ -4,7 +4,7 @@
 //   w        1/m, sign aside; 0 unknown
 //   limit_w  1/m, negative or infinite without background depth; and, for a still camera, what lies
 //            behind a mirror (Tables::hole_behind_w); not read if the volume alone keys
-//   state    render::PixelState / 255; edge means doubt
+//   state    as in common/key.glsl; edge means doubt
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/key.glsl"
@@ -45,5 +45,6 @@ void main() {
   bool behind = learned || measured < limits.y;
   if (measured > 0.0) s = measured > abs(limit) ? foreground : behind ? background : doubt;
   if (crop && s >= foreground && outside_box(at, measured)) s = background;
+  if (measured > 0.0 && measured < limits.y) s += state_mirrored;
   state = float(s) / 255.0;
 }

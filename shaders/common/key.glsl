@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass key: definitions shared by its shaders. A state is render::PixelState in a byte; blocks are
-// block_px wide. Needs common/constants.glsl.
+// Pass key: definitions shared by its shaders. A state is render::PixelState in a byte, with
+// state_mirrored added where the depth may be a mirror's; blocks are block_px wide. Needs
+// common/constants.glsl.
 const int unknown = 0, background = 1, foreground = 2, doubt = 3;
 
-int to_state(float stored) { return int(stored * 255.0 + 0.5); }
+int state_byte(float stored) { return int(stored * 255.0 + 0.5); }
+int to_state(float stored) { return state_byte(stored) & (state_mirrored - 1); }
 
 // Sums over a block, held by three textures with one texel a block.
 struct Block {

@@ -99,6 +99,8 @@ inline constexpr float kOneSurfacePart = 0.98F;
 // --- key: blocks in which votes decide
 /// Side of a block, pixels. The cpu back end counts a block's row of states as one 64-bit word.
 inline constexpr int kBlockPx = 8;
+/// Added to the state of a pixel whose depth may be a mirror's, in the gles back end.
+inline constexpr int kStateMirrored = 4;
 /// Least area of a person, ToF pixels; less is a speckle of depth noise.
 inline constexpr float kSpeckleTofPx = 6.0F;
 /// Least area, ToF pixels, where around it more pixels show a mirror's depth than foreground: a

@@ -34,10 +34,13 @@ Result<void> FrameImages::fetch(FrameOutput& output) const {
   if (read_ & kSegmentedDepth) MIXRIG_TRY(segmented_.fetch(output.segmented_depth_m));
   if (read_ & kWarpedDepth) MIXRIG_TRY(fetch_warped_depth(output.warped_depth_m));
   if (wanted_ & kState) {
-    if (read_ & kState)
+    if (read_ & kState) {
       MIXRIG_TRY(state_.fetch(output.state));
-    else
+      for (int y = 0; y < output.state.height(); ++y)
+        for (int x = 0; x < output.state.width(); ++x) output.state.row(y)[x] %= kStateMirrored;
+    } else {
       output.state.fill(static_cast<std::uint8_t>(PixelState::kUnknown));
+    }
     decide_states(output.matte, output.state);
   }
   if (read_ & kLight)

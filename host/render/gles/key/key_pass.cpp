@@ -120,8 +120,7 @@ void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
   finish_.set("has_learned", has_learned_);
   matte_tone_ = ToneUniforms(finish_);
   has_before_ = finish_.location("has_before");
-  for (const Step* step : {&state_, &blocks_})
-    step->program.set("by_volume", params.by == KeyBy::kVolume);
+  state_.program.set("by_volume", params.by == KeyBy::kVolume);
   state_.program.set("noise_factor", params.noise_factor);
   state_.program.set("noise_floor_m", params.noise.floor_m);
   state_.program.set("noise_linear", params.noise.linear);
@@ -136,7 +135,7 @@ void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
   set_uniform(world_from_camera_, params.world_from_camera);
   set_uniform(floor_w_, params.floor_w);
   run(state_, {&input.w, &limit_w});
-  run(blocks_, {&state_image_, &input.w, &input.plate, &limit_w});
+  run(blocks_, {&state_image_, &input.w, &input.plate});
   run(speckles_, {&counts_, &colors_, &rooms_});
   run(find_deep_, {&kept_counts_, &kept_colors_});
   run(find_band_, {&kept_counts_, &kept_colors_, &kept_rooms_, &deep_});

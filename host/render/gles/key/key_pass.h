@@ -48,6 +48,7 @@ class KeyPass {
   /// variance, 0 where unknown.
   const Texture& room() const { return room_; }
   const Texture& visible_w() const { return visible_w_; }  ///< GL_R32F, from key_matte.frag
+  /// Holds PixelState, with kStateMirrored added where the depth may be a mirror's.
   const Target& state_target() const { return state_.target; }
 
  private:
