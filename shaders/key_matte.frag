@@ -1,7 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass key: the final matte, refined where votes decide and blended with the previous one, and the
-// depth that follows from it.
+// Pass key, over the blocks where votes decide: the final matte, refined and blended with the
+// previous one, and the depth that follows from it. Elsewhere key_copy.frag draws.
 //   voted, band  of key_decide.frag and key_fill.frag, and of key_band.frag
 //   state, counts  of key_state.frag and key_speckles.frag
 //   plate        linear light
@@ -23,12 +23,12 @@ layout(binding = 2) uniform sampler2D state;
 layout(binding = 3) uniform sampler2D counts;
 layout(binding = 4) uniform sampler2D plate;
 layout(binding = 5) uniform sampler2D line;
-layout(binding = 6) uniform sampler2D w;
 layout(binding = 7) uniform sampler2D people;
 layout(binding = 8) uniform sampler2D learned;
 layout(binding = 9) uniform sampler2D plate_before;
 layout(binding = 10) uniform sampler2D matte_before;
 layout(binding = 11) uniform sampler2D light;
+layout(binding = 12) uniform sampler2D w;
 uniform bool refine, has_learned, has_before, has_light;
 uniform int reach_px;
 uniform int tile_px;
@@ -187,7 +187,6 @@ void main() {
   matte = matte_now(at);
   float measured = abs(texelFetch(w, at, 0).r);
   visible_w = measured;
-  if ((int(near.x) & 4) == 0) return;
   if (has_before) matte = steadied(at, matte);
   bool is_foreground = is_foreground_at(at), is_person = matte > 0.0;
   if (!is_person && !is_foreground) return;

@@ -38,7 +38,7 @@ class Workshop:
 
     def __init__(self, mixrig, cache, only_takes=False, log=print):
         self.mixrig, self.only_takes, self.log = Path(mixrig).resolve(), only_takes, log
-        studio = sorted((ROOT / "studio").rglob("*.[ch]*"))
+        studio = sorted((ROOT / "studio").rglob("*.[ch]*")) + [ROOT / "host/tools/studio_command.cpp"]
         self.takes = Path(cache).resolve() / ("takes-" + digest(studio))
         self.runs = Path(cache).resolve() / ("runs-" + digest([self.mixrig]))
         for folder in (self.takes, self.runs):

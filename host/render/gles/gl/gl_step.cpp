@@ -18,30 +18,33 @@ void prepare(const Target& target, const Program& program,
   }
 }
 
-Result<Step> make(const char* vertex_stage, const char* fragment_stage,
-                  std::initializer_list<const Texture*> outputs, const Texture* depth = nullptr) {
-  Step step;
-  MIXRIG_ASSIGN(step.program, make_program(vertex_stage, fragment_stage));
-  MIXRIG_ASSIGN(step.target, make_target(outputs, depth));
-  return step;
-}
-
 }  // namespace
 
 Result<Step> make_step(const char* fragment_stage, std::initializer_list<const Texture*> outputs,
                        const Texture* depth) {
-  return make("fullscreen.vert", fragment_stage, outputs, depth);
+  Step step;
+  MIXRIG_ASSIGN(step.program, make_program("fullscreen.vert", fragment_stage));
+  MIXRIG_ASSIGN(step.target, make_target(outputs, depth));
+  return step;
 }
 
 Result<Step> make_block_step(const char* fragment_stage,
                              std::initializer_list<const Texture*> outputs, int wanted_flags,
                              int pitch_px) {
-  MIXRIG_ASSIGN(Step step, make("blocks.vert", fragment_stage, outputs));
-  const Size size = step.target.size;
-  step.program.set("wanted_flags", wanted_flags);
-  step.program.set("clip_of_block",
-                   2.0F * static_cast<float>(pitch_px) / glm::vec2(size.width, size.height));
+  Step step;
+  MIXRIG_ASSIGN(step.target, make_target(outputs));
+  MIXRIG_ASSIGN(step.program,
+                make_block_program(fragment_stage, step.target.size, wanted_flags, pitch_px));
   return step;
+}
+
+Result<Program> make_block_program(const char* fragment_stage, Size target, int wanted_flags,
+                                   int pitch_px) {
+  MIXRIG_ASSIGN(Program program, make_program("blocks.vert", fragment_stage));
+  program.set("wanted_flags", wanted_flags);
+  program.set("clip_of_block",
+              2.0F * static_cast<float>(pitch_px) / glm::vec2(target.width, target.height));
+  return program;
 }
 
 void run(const Step& step, std::initializer_list<const Texture*> inputs) {
@@ -62,7 +65,12 @@ void run_over(const Step& step, std::initializer_list<const Texture*> inputs) {
 
 void run_blocks(const Step& step, const Texture& blocks,
                 std::initializer_list<const Texture*> inputs) {
-  prepare(step.target, step.program, inputs);
+  run_blocks_into(step.target, step.program, blocks, inputs);
+}
+
+void run_blocks_into(const Target& target, const Program& program, const Texture& blocks,
+                     std::initializer_list<const Texture*> inputs) {
+  prepare(target, program, inputs);
   bind(kBlocksUnit, blocks);
   glDrawArrays(GL_TRIANGLES, 0, kVerticesOfABlock * static_cast<GLsizei>(blocks.size.area()));
 }

@@ -24,6 +24,10 @@ Result<Step> make_block_step(const char* fragment_stage,
                              std::initializer_list<const Texture*> outputs, int wanted_flags,
                              int pitch_px);
 
+/// Makes the program of a block step for targets of this size. Errors: those of make_program.
+Result<Program> make_block_program(const char* fragment_stage, Size target, int wanted_flags,
+                                   int pitch_px);
+
 /// Draws a step with these inputs on units 0, 1, ...; null leaves a unit as it is. The step writes
 /// every pixel: what its target held is dropped.
 void run(const Step& step, std::initializer_list<const Texture*> inputs);
@@ -36,5 +40,8 @@ void run_into(const Target& target, const Program& program,
 /// Draws a block step; `blocks` holds the flags. Other blocks keep what they held.
 void run_blocks(const Step& step, const Texture& blocks,
                 std::initializer_list<const Texture*> inputs);
+/// Draws with the program of a block step into any target, as run_blocks() does.
+void run_blocks_into(const Target& target, const Program& program, const Texture& blocks,
+                     std::initializer_list<const Texture*> inputs);
 
 }  // namespace mixrig::render::gles

@@ -87,7 +87,8 @@ Result<void> KeyPass::make_finish(const Tables& tables, bool joins) {
     mattes_[i] = make_texture(tables.view_size, GL_R8);
     MIXRIG_ASSIGN(finished_[i], make_target({&mattes_[i], &visible_w_}));
   }
-  MIXRIG_ASSIGN(finish_, make_program("fullscreen.vert", "key_matte.frag"));
+  MIXRIG_ASSIGN(copy_, make_program("fullscreen.vert", "key_copy.frag"));
+  MIXRIG_ASSIGN(finish_, make_block_program("key_matte.frag", tables.view_size, kVotes, kBlockPx));
   finish_.set("tile_px", matte_tile_px(tables.tof_footprint_px));
   finish_.set("reach_px", static_cast<int>(std::lround(tables.tof_footprint_px)));
   return {};
@@ -158,14 +159,16 @@ void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
     run(sum_tiles_, {&input.plate, &voted_, &band_});
     run(fit_, {&tile_counts_, &tile_with_p_, &tile_squares_, &tile_products_});
   }
+  run_into(finished_[now_], copy_, {&band_, &input.w});
   finish_.use();
   matte_tone_.set(input.tone);
   set_uniform(has_before_, input.plate_before != nullptr);
-  run_into(finished_[now_], finish_,
-           {&voted_, &band_, &state_image_, &kept_counts_, &input.plate,
-            refine_ ? &lines_ : nullptr, &input.w, refine_ ? &people_ : nullptr,
-            refine_ ? &input.learned : nullptr, input.plate_before,
-            input.plate_before ? &mattes_[1 - now_] : nullptr, has_light_ ? &light_ : nullptr});
+  run_blocks_into(
+      finished_[now_], finish_, band_,
+      {&voted_, &band_, &state_image_, &kept_counts_, &input.plate, refine_ ? &lines_ : nullptr,
+       nullptr, refine_ ? &people_ : nullptr, refine_ ? &input.learned : nullptr,
+       input.plate_before, input.plate_before ? &mattes_[1 - now_] : nullptr,
+       has_light_ ? &light_ : nullptr, &input.w});
 }
 
 }  // namespace mixrig::render::gles

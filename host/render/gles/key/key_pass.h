@@ -67,7 +67,7 @@ class KeyPass {
   std::array<Texture, 2> mattes_;  ///< the second one is empty unless swap() needs it
   std::array<Target, 2> finished_;
   Texture visible_w_;
-  Program finish_;
+  Program copy_, finish_;  ///< draw into finished_
   Step state_, blocks_, speckles_, find_deep_, find_band_, fill_, vote_, decide_, sum_tiles_, fit_,
       find_light_, mean_light_;
   GLint world_from_camera_ = -1, floor_w_ = -1, has_before_ = -1;
