@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws a rectangle for each block that has one of the wanted flags: passes that work at the border
 // of people cost nothing elsewhere.
-//   blocks  a texel a block, flags in x (key_band.frag)
+//   blocks  a texel a block, flags in x (such as those of key_band.frag)
 #include "common/precision.glsl"
-layout(binding = 6) uniform sampler2D blocks;
+layout(binding = 13) uniform sampler2D blocks;
 uniform int wanted_flags;
 uniform vec2 clip_of_block;  // a block's extent in clip space
 

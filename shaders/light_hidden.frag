@@ -1,6 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: whether people hide a lamp from the background, where objects take light from it.
+// Pass light, over the blocks of light_blocks.frag: whether people hide a lamp from the background,
+// where objects take light from it.
 //   background_m       z in metres, 0 unknown
 //   background_normal  camera axes, 0 unknown
 //   background_light   of light_background.frag
@@ -20,7 +21,7 @@ void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
   hides = 0.0;
   float z = texelFetch(background_m, at, 0).r;
-  if (z <= 0.0 || texelFetch(background_light, at, 0).r >= 1.0) return;
+  if (z <= 0.0 || texelFetch(background_light, at, 0).r >= all_light) return;
   vec3 position_m = ray_of(at) * z, normal = normal_of(background_normal, at);
   int whole_lamps = lamp_count > 0 ? lamps[lamp_count - 1].map_size_texel.z + 1 : 0;
   for (int i = 0; i < whole_lamps && hides == 0.0; ++i)

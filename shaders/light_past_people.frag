@@ -1,7 +1,8 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: light that the room keeps beside the virtual objects where people hide a lamp, so
-// that the plate is dark already. Drawn over the background's light.
+// Pass light, over the blocks of light_blocks.frag: light that the room keeps beside the virtual
+// objects where people hide a lamp, so that the plate is dark already. Drawn over the background's
+// light.
 //   background_m       z in metres, 0 unknown
 //   background_normal  camera axes, 0 unknown
 //   background_light   of light_background.frag

@@ -158,14 +158,14 @@ Area area() {
   return {all, glIsEnabled(GL_SCISSOR_TEST) ? static_cast<double>(box[2]) * box[3] : all};
 }
 
-/// Share of blocks whose flags (unit 6) a block step draws; 1 for other programs.
+/// Share of blocks whose flags (unit 13) a block step draws; 1 for other programs.
 double share_of_blocks(GLuint program, GLsizei vertices) {
   const GLint at = glGetUniformLocation(program, "wanted_flags");
   if (at < 0) return 1;
   GLint wanted = 0, active = 0, texture = 0, before = 0;
   glGetUniformiv(program, at, &wanted);
   glGetIntegerv(GL_ACTIVE_TEXTURE, &active);
-  GL_COUNTS_REAL(glActiveTexture)(GL_TEXTURE6);
+  GL_COUNTS_REAL(glActiveTexture)(GL_TEXTURE13);
   glGetIntegerv(GL_TEXTURE_BINDING_2D, &texture);
   const Level level = level_of(GL_TEXTURE_2D);
   glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &before);

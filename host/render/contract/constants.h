@@ -205,6 +205,8 @@ inline constexpr float kBeforeAlike = 8.0F;
 // --- light
 /// Side of a tile, pixels: people's light is found once a tile, since no ToF camera resolves finer.
 inline constexpr int kLightTilePx = 4;
+/// More light than this part counts as all of it: half floats may hold less than 1 for 1.
+inline constexpr float kAllLight = 0.999F;
 /// Taps that search for shadow casters, and taps of the shadow filter: the filter's steps of 1/24
 /// are visible, the search needs only a mean depth. Cost grows with both.
 inline constexpr int kBlockerTapCount = 12;

@@ -4,7 +4,7 @@
 namespace mixrig::render::gles {
 namespace {
 
-constexpr int kBlocksUnit = 6;        // of shaders/blocks.vert
+constexpr int kBlocksUnit = 13;       // of shaders/blocks.vert
 constexpr int kVerticesOfABlock = 6;  // two triangles
 
 void prepare(const Target& target, const Program& program,

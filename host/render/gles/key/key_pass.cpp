@@ -166,9 +166,9 @@ void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
   run_blocks_into(
       finished_[now_], finish_, band_,
       {&voted_, &band_, &state_image_, &kept_counts_, &input.plate, refine_ ? &lines_ : nullptr,
-       nullptr, refine_ ? &people_ : nullptr, refine_ ? &input.learned : nullptr,
+       &input.w, refine_ ? &people_ : nullptr, refine_ ? &input.learned : nullptr,
        input.plate_before, input.plate_before ? &mattes_[1 - now_] : nullptr,
-       has_light_ ? &light_ : nullptr, &input.w});
+       has_light_ ? &light_ : nullptr});
 }
 
 }  // namespace mixrig::render::gles

@@ -84,9 +84,13 @@ Result<LightPass> LightPass::create(const Tables& tables, const CompositorSetup&
   pass.virtual_color_ = make_texture(view, GL_RGBA16F);
   pass.virtual_w_ = make_texture(view, GL_R32F);
   MIXRIG_ASSIGN(pass.background_, make_step("light_background.frag", {&pass.background_light_}));
+  pass.taken_ = make_texture(
+      {(view.width + kBlockPx - 1) / kBlockPx, (view.height + kBlockPx - 1) / kBlockPx}, GL_R8);
+  MIXRIG_ASSIGN(pass.find_taken_, make_step("light_blocks.frag", {&pass.taken_}));
   pass.hides_ = make_texture(view, GL_R8);
-  MIXRIG_ASSIGN(pass.hidden_, make_step("light_hidden.frag", {&pass.hides_}));
-  MIXRIG_ASSIGN(pass.past_people_, make_step("light_past_people.frag", {&pass.light_}));
+  MIXRIG_ASSIGN(pass.hidden_, make_block_step("light_hidden.frag", {&pass.hides_}, 1, kBlockPx));
+  MIXRIG_ASSIGN(pass.past_people_,
+                make_block_step("light_past_people.frag", {&pass.light_}, 1, kBlockPx));
   MIXRIG_ASSIGN(pass.tile_depth_, make_step("light_tile_w.frag", {&pass.tile_w_}));
   MIXRIG_ASSIGN(pass.tiles_, make_step("light_tiles.frag", {&pass.tile_light_}));
   MIXRIG_ASSIGN(pass.people_,
@@ -233,12 +237,14 @@ void LightPass::draw_background(const Texture& background_m, GLuint shadow_maps,
                                 const Texture* normal) const {
   bind_lamps(shadow_maps);
   run(background_, {&background_m, normal ? normal : &normal_});
+  run(find_taken_, {&background_light_});
 }
 
 void LightPass::skip_background() const {
   bind(background_.target);
   glClearColor(1, 1, 1, 1);
   glClear(GL_COLOR_BUFFER_BIT);
+  run(find_taken_, {&background_light_});
 }
 
 void LightPass::shade_virtual(const FrameParams& params, const VirtualPass& samples,
@@ -282,14 +288,13 @@ void LightPass::draw_people(const People& people, GLuint shadow_maps,
   run(tile_depth_, {&people.matte, &people.visible_w});
   bind_lamps(shadow_maps);
   run(tiles_, {&tile_w_});
+  copy_background();
   if (past.maps != 0) {
     bind_people(past.maps);
     bind_lamps(shadow_maps);
     const Texture* const normal = past.normal ? past.normal : &normal_;
-    run(hidden_, {past.background_m, normal, &background_light_});
-    run(past_people_, {past.background_m, normal, &background_light_, &hides_});
-  } else {
-    copy_background();
+    run_blocks(hidden_, taken_, {past.background_m, normal, &background_light_});
+    run_blocks(past_people_, taken_, {past.background_m, normal, &background_light_, &hides_});
   }
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);

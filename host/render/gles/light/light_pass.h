@@ -63,9 +63,9 @@ class LightPass {
     return {&background_, &hidden_, &past_people_, &tiles_, &shade_};
   }
 
-  Texture normal_, background_light_, hides_, tile_w_, tile_light_, light_;
+  Texture normal_, background_light_, taken_, hides_, tile_w_, tile_light_, light_;
   Texture virtual_color_, virtual_w_;
-  Step background_, hidden_, past_people_, tile_depth_, tiles_, people_, shade_;
+  Step background_, find_taken_, hidden_, past_people_, tile_depth_, tiles_, people_, shade_;
   BufferHandle lamps_;
   TextureHandle room_, contacts_;
   GLint shade_origin_px_ = -1, shade_size_px_ = -1, has_people_ = -1, glossy_ = -1, emits_ = -1;
