@@ -19,13 +19,6 @@ namespace {
 constexpr int kMostPictures = 40;
 constexpr double kNearlySquare_deg = 10;
 
-/// Turns distances along the ray into depths along the axis.
-void to_depth(const depth::PixelRays& rays, Image<float>& picture) {
-  for (int y = 0; y < picture.height(); ++y)
-    for (int x = 0; x < picture.width(); ++x)
-      picture.row(y)[x] /= static_cast<float>(rays.at(x, y).norm());
-}
-
 /// Median and quartiles of values that are known, in millimetres.
 struct Spread {
   std::size_t count = 0;
@@ -129,7 +122,7 @@ Result<nlohmann::json> info_depth(capture::CaptureSource& source) {
       MIXRIG_TRY(source.read(number + 1, next));
     }
     if (source.info().depth_kind == capture::DepthKind::kDistance)
-      to_depth(meter.rays(), frame.depth_m), to_depth(meter.rays(), next.depth_m);
+      meter.rays().to_depth(frame.depth_m), meter.rays().to_depth(next.depth_m);
     meter.add(frame.depth_m, frame.amplitude, next.depth_m);
   }
   const depth::DepthFigures figures = meter.figures();

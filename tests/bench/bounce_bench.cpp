@@ -82,10 +82,7 @@ int run(const std::string& folder, double modulation_hz, bool bent) {
   for (int number = 1; number <= info.frames; number += step) {
     if (const auto read = (*source)->read(number, frame); !read)
       return std::fprintf(stderr, "%s\n", read.error().context.c_str()), 1;
-    if (info.depth_kind == capture::DepthKind::kDistance)
-      for (int y = 0; y < frame.depth_m.height(); ++y)
-        for (int x = 0; x < frame.depth_m.width(); ++x)
-          frame.depth_m.row(y)[x] /= static_cast<float>(rays.at(x, y).norm());
+    if (info.depth_kind == capture::DepthKind::kDistance) rays.to_depth(frame.depth_m);
     slopes.push_back(slope_of(frame.depth_m, rays, modulation_hz, bent ? 6 : 3));
   }
   double squares = 0, mean = 0;

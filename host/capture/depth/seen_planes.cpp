@@ -131,6 +131,17 @@ PixelRays::PixelRays(const geometry::CameraModel& camera)
     }
 }
 
+void PixelRays::to_depth(ImageView<float> distance_m) const {
+  for (int v = 0; v < distance_m.size.height; ++v)
+    for (int u = 0; u < distance_m.size.width; ++u)
+      distance_m.row(v)[u] /= static_cast<float>(at(u, v).norm());
+}
+
+void PixelRays::to_distance(ImageView<float> z_m) const {
+  for (int v = 0; v < z_m.size.height; ++v)
+    for (int u = 0; u < z_m.size.width; ++u) z_m.row(v)[u] *= static_cast<float>(at(u, v).norm());
+}
+
 CellGrid cells_of(ImageView<const float> z_m, const PixelRays& rays) {
   CellGrid grid;
   grid.side_px = std::max(kLeastSide_px, z_m.size.width / kCellsInARow);

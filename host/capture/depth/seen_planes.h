@@ -15,6 +15,11 @@ namespace mixrig::depth {
 struct PixelRays {
   explicit PixelRays(const geometry::CameraModel& camera);
   Eigen::Vector3d at(int px, int py) const { return {x.at(px, py), y.at(px, py), 1}; }
+  /// Turns distances along the rays, in place, into depths along the axis; NaN where the lens has
+  /// no ray. Precondition: the camera's size.
+  void to_depth(ImageView<float> distance_m) const;
+  /// Turns depths back into distances, in place.
+  void to_distance(ImageView<float> z_m) const;
   Image<float> x, y;
 };
 

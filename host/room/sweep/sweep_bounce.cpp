@@ -11,22 +11,11 @@ namespace {
 /// At most so many views are searched for the reflectivity.
 constexpr std::size_t kSearchedViews = 12;
 
-Image<float> depth_of(const Image<float>& distance_m, const depth::PixelRays& rays) {
-  Image<float> z_m(distance_m.size());
-  for (int y = 0; y < z_m.height(); ++y)
-    for (int x = 0; x < z_m.width(); ++x) {
-      const auto ray = static_cast<float>(rays.at(x, y).norm());
-      z_m.row(y)[x] = std::isfinite(ray) ? distance_m.row(y)[x] / ray : 0;
-    }
-  return z_m;
-}
-
-/// Writes the distances of known depths.
-void set_distance(const Image<float>& z_m, const depth::PixelRays& rays, Image<float>& distance_m) {
-  for (int y = 0; y < z_m.height(); ++y)
-    for (int x = 0; x < z_m.width(); ++x)
-      if (z_m.row(y)[x] > 0)
-        distance_m.row(y)[x] = z_m.row(y)[x] * static_cast<float>(rays.at(x, y).norm());
+/// Writes the values that are known.
+void put_known(const Image<float>& from, Image<float>& to) {
+  for (int y = 0; y < to.height(); ++y)
+    for (int x = 0; x < to.width(); ++x)
+      if (from.row(y)[x] > 0) to.row(y)[x] = from.row(y)[x];
 }
 
 }  // namespace
@@ -37,7 +26,7 @@ BouncedRoomLight take_out_bounced_light(const geometry::CameraModel& tof, double
   std::vector<Image<float>> pictures_m, searched_m;
   const std::size_t step = (views.size() + kSearchedViews - 1) / kSearchedViews;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    pictures_m.push_back(depth_of(views[i].distance_m, rays));
+    rays.to_depth(pictures_m.emplace_back(views[i].distance_m));
     if (i % step == 0) searched_m.push_back(pictures_m.back());
   }
   BouncedRoomLight out;
@@ -53,8 +42,10 @@ BouncedRoomLight take_out_bounced_light(const geometry::CameraModel& tof, double
   });
   out.after_mm = 1e3 * depth::corner_error(pictures_m, rays).error_m;
   out.removed = std::abs(out.after_mm) < std::abs(out.before_mm);
-  for (std::size_t i = 0; i < views.size() && out.removed; ++i)
-    set_distance(pictures_m[i], rays, views[i].distance_m);
+  for (std::size_t i = 0; i < views.size() && out.removed; ++i) {
+    rays.to_distance(pictures_m[i]);
+    put_known(pictures_m[i], views[i].distance_m);
+  }
   return out;
 }
 

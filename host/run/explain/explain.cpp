@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "host/render/frame/frame_before.h"
+#include "host/render/frame/frame_order.h"
 #include "host/render/tables/prepare.h"
 #include "host/run/loop/run.h"
 #include "host/run/session/frame_cost.h"

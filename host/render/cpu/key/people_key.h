@@ -4,7 +4,7 @@
 
 #include "hal/base/parallel.h"
 #include "host/render/cpu/key/key.h"
-#include "host/render/frame/frame_before.h"
+#include "host/render/frame/frame_order.h"
 
 namespace mixrig::render::cpu {
 

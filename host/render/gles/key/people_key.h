@@ -2,7 +2,7 @@
 // Pass key over time: the previous matte is blended in.
 #pragma once
 
-#include "host/render/frame/frame_before.h"
+#include "host/render/frame/frame_order.h"
 #include "host/render/gles/key/key_pass.h"
 #include "host/render/gles/plate/plate_pass.h"
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "host/render/frame/frame_before.h"
+#include "host/render/frame/frame_order.h"
 
 namespace mixrig::render::gles {
 namespace {
