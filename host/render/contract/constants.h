@@ -155,6 +155,9 @@ inline constexpr float kOtherColor = 16.0F;
 /// Largest colour vote where the room's colour is estimated from the pixels around, which is a
 /// rougher guess.
 inline constexpr float kRoomVoteCap = 2.5F;
+/// Standard deviation of the light on people's surfaces, as a part of it: they turn away from the
+/// lamps, while their hue stays.
+inline constexpr float kPeopleShade = 0.17F;
 /// Weight of the log ratio of two variances in the log odds of normal densities: one half for each
 /// of three channels.
 inline constexpr float kSpreadOdds = 1.5F;

@@ -69,6 +69,25 @@ FloatLanes square_to(const ColorLanes& p, const NearColor& c) {
   return dot(d, d) / c.variance;
 }
 
+/// A colour of people: normal about the mean, with the covariance v*I + s^2*m*m^T of variance v,
+/// mean m and s = kPeopleShade; by the formula of Sherman and Morrison.
+struct ShadedColor {
+  explicit ShadedColor(const NearColor& c) : mean(c.mean), over(1 / c.variance) {
+    constexpr float kShade2 = kPeopleShade * kPeopleShade;
+    const float light2 = glm::dot(mean, mean);
+    along = kShade2 / (c.variance + kShade2 * light2);
+    log_spread = kSpreadOdds * std::log(c.variance) + 0.5F * std::log(1 + over * kShade2 * light2);
+  }
+  glm::vec3 mean;
+  float over, along, log_spread;
+  /// Log odds of a plate's colour, without constants.
+  FloatLanes odds(const ColorLanes& p) const {
+    const ColorLanes d{p.r - mean.r, p.g - mean.g, p.b - mean.b};
+    const FloatLanes by_light = d.r * mean.r + d.g * mean.g + d.b * mean.b;
+    return -0.5F * over * (dot(d, d) - along * by_light * by_light) - log_spread;
+  }
+};
+
 /// Magnitude of log odds that no colour reaches.
 constexpr float kNoPerson = 1e9F;
 
@@ -125,8 +144,8 @@ void KeyVotes::mean_of_colors(const KeyInput& input, const NearColors& near, int
   const bool by_room = !input.learned(), known = people.known || deep.known;
   const bool by_light = input.finds_light();
   Votes votes;
-  const float odds = kSpreadOdds * std::log((by_room ? room.variance : 1.0F) / people.variance);
-  const float deep_odds = -kSpreadOdds * std::log(deep.variance);
+  const ShadedColor person_color(people), deep_color(deep);
+  const float room_spread = kSpreadOdds * std::log(room.variance);
   for (std::size_t j = 0; j < kRows; ++j)
     for (int i = 0; i < kRows; i += kLanes) {
       const auto at = [&](const Rows& rows) { return load<FloatLanes>(rows[j].data() + i0 + i); };
@@ -134,17 +153,17 @@ void KeyVotes::mean_of_colors(const KeyInput& input, const NearColors& near, int
       FloatLanes vote{};
       if (by_room) {
         if (people.known && room.known)
-          vote = clamp(0.5F * (square_to(p, room) - square_to(p, people)) + odds,
+          vote = clamp(0.5F * square_to(p, room) + room_spread + person_color.odds(p),
                        FloatLanes{} - kRoomVoteCap, FloatLanes{} + kRoomVoteCap);
       } else {
         const FloatLanes most = at(most_);
         const FloatLanes least = most > 0 ? FloatLanes{} - kColorVoteCap : FloatLanes{};
         FloatLanes person = FloatLanes{} - kNoPerson;
-        if (people.known) person = odds - 0.5F * square_to(p, people);
+        if (people.known) person = person_color.odds(p);
         if (deep.known) {
           // Foreground around a pixel that shows the room may lie over the room itself.
           const IntLanes by_deep = at(distance_) < (by_light ? kSurelyRoom : 0.0F);
-          const FloatLanes inner = deep_odds - 0.5F * square_to(p, deep);
+          const FloatLanes inner = deep_color.odds(p);
           person = by_deep ? inner : max(person, inner);
         }
         vote = known ? clamp(0.5F * at(distance_) + (kSpreadOdds * at(log_spread_) + person), least,
