@@ -2,6 +2,7 @@
 // Turns what a thread throws into an error, so that a run ends in good order.
 #pragma once
 
+#include <atomic>
 #include <exception>
 #include <new>
 #include <string>
@@ -14,11 +15,16 @@
 
 namespace mixrig {
 
+/// Called with the name of each guarded work before it, in its thread. Null but in tests, whose
+/// function throws what the work could throw.
+inline std::atomic<void (*)(std::string_view name)> before_guarded = nullptr;
+
 /// Calls work(), which returns nothing or a Result<void>. Returns its error, or what it threw as an
 /// error of `name`. Errors: kIo.
 template <typename Work>
 Result<void> guarded(std::string_view name, Work&& work) {
   try {
+    if (const auto before = before_guarded.load(std::memory_order_relaxed)) before(name);
     if constexpr (std::is_void_v<decltype(work())>) {
       work();
       return {};

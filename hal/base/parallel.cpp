@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 
 #include <sched.h>
 
@@ -62,6 +63,26 @@ class OnFirstCore {
   cpu_set_t before_;
 };
 
+/// One call of a crew. What a band throws ends the call: bands that begin later do nothing.
+struct Call {
+  void (*function)(void*, int, int, int);
+  void* context;
+  std::atomic<bool> failed = false;
+  std::exception_ptr error =
+      nullptr;  ///< what the first one threw, written by the thread that set `failed`
+};
+
+/// Calls the function of a Call for one band.
+void call_guarded(void* context, int worker, int begin, int end) {
+  Call& call = *static_cast<Call*>(context);
+  if (call.failed.load(std::memory_order_relaxed)) return;
+  try {
+    call.function(call.context, worker, begin, end);
+  } catch (...) {
+    if (!call.failed.exchange(true)) call.error = std::current_exception();
+  }
+}
+
 }  // namespace
 
 Crew::Crew(int threads) : cores_(allowed_cores()) {
@@ -108,7 +129,8 @@ void Crew::run(int count, int grain, Function function, void* context) {
     return;
   }
   const OnFirstCore caller(cores_);
-  function_ = function, context_ = context, count_ = count, grain_ = grain;
+  Call made{function, context};
+  function_ = call_guarded, context_ = &made, count_ = count, grain_ = grain;
   next_.store(0, std::memory_order_relaxed);
   // Nobody works on a closed call, so that no other thread changes call_ here.
   call_.store((number_of(call_.load(std::memory_order_relaxed)) + 1) * kNumber + kOpen);
@@ -116,6 +138,7 @@ void Crew::run(int count, int grain, Function function, void* context) {
   take_bands(0);
   call_.fetch_sub(kOpen);
   await([](std::uint32_t call) { return workers_of(call) == 0; });
+  if (made.failed) std::rethrow_exception(made.error);
 }
 
 void Crew::take_bands(int worker) {

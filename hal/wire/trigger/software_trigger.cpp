@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "hal/base/guarded.h"
-#include "hal/device/stream_count.h"
+#include "hal/base/log.h"
 
 namespace mixrig::device {
 
@@ -86,7 +86,11 @@ Result<void> SoftwareTrigger::start() {
   schedule_.start(clock_.now() + kSoftwareTick);
   stop_ = false;
   thread_ = guarded_thread(
-      "trigger", [this] { work(); }, log_end_of_driver);
+      "trigger", [this] { work(); },
+      [this](const Error& error) {
+        log_warning("device", error.context + ": no more ticks come");
+        stop_ = true;
+      });
   return {};
 }
 
@@ -125,7 +129,7 @@ Result<TriggerStatus> SoftwareTrigger::status() {
   TriggerStatus status;
   status.asked = clock_.now();
   const std::lock_guard lock(mutex_);
-  status.state = thread_.joinable() ? TriggerState::kRunning : TriggerState::kIdle;
+  status.state = thread_.joinable() && !stop_ ? TriggerState::kRunning : TriggerState::kIdle;
   for (int i = 0; i < info_.channels; ++i)
     if (schedule_.channel(i).divider > 0) status.enabled |= 1U << i;
   status.tick = tick_;

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/base/angles.h"
+#include "hal/base/guarded.h"
 #include "hal/base/log.h"
 #include "hal/base/partial_path.h"
 #include "hal/base/percentile.h"
@@ -277,7 +278,9 @@ Result<void> save_room(const RoomScan& scan, const fs::path& calibration, const 
   MIXRIG_ASSIGN(manifest.distance_sigma, distance_sigma(scan.panorama, calibration));
   // The large picture is encoded twice, beside itself: it is in the model, too.
   std::future<Result<void>> mesh = std::async(std::launch::async, [&] {
-    return write_mesh(scan.mesh, scan.panorama.color, partial.path() / "room.glb");
+    return guarded("writing room.glb", [&] {
+      return write_mesh(scan.mesh, scan.panorama.color, partial.path() / "room.glb");
+    });
   });
   const Result<void> pictures = model::write_room(scan.panorama, manifest, partial.path());
   if (!scan.off_mm.empty())

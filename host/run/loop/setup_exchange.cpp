@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include "hal/base/guarded.h"
 #include "hal/base/log.h"
 #include "host/run/session/session.h"
 
@@ -30,7 +31,10 @@ SetupExchange::MadePtr SetupExchange::begin(const std::optional<geometry::Pose>&
 }
 
 Result<SetupExchange::MadePtr> SetupExchange::make(MadePtr made, BackendChoice backend) {
-  MIXRIG_ASSIGN(made->compositor, make_compositor(made->setup, backend));
+  MIXRIG_TRY(guarded("making the compositor", [&]() -> Result<void> {
+    MIXRIG_ASSIGN(made->compositor, make_compositor(made->setup, backend));
+    return {};
+  }));
   return made;
 }
 

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <latch>
+#include <new>
 #include <set>
 #include <thread>
 #include <vector>
@@ -32,6 +33,31 @@ TEST_P(CrewTest, ManyCallsInARowAllReturn) {
   std::atomic<int> sum = 0;
   for (int i = 0; i < 2000; ++i) crew.rows(4, 1, [&](int begin, int end) { sum += end - begin; });
   EXPECT_EQ(sum, 8000);
+}
+
+TEST_P(CrewTest, WhatABandThrowsReachesTheCallerAndTheCrewGoesOn) {
+  Crew crew(GetParam());
+  for (int bad = 0; bad < 64; ++bad) {
+    EXPECT_THROW(crew.rows(64, 1,
+                           [bad](int begin, int) {
+                             if (begin == bad) throw std::bad_alloc();
+                           }),
+                 std::bad_alloc);
+    std::atomic<int> sum = 0;
+    crew.rows(64, 1, [&](int begin, int end) { sum += end - begin; });
+    ASSERT_EQ(sum, 64) << "after band " << bad << " threw";
+  }
+}
+
+TEST(Crew, WhatAWorkerThrowsReachesTheCaller) {
+  Crew crew(3);
+  std::latch all_there(3);
+  EXPECT_THROW(crew.rows_by_worker(3, 1,
+                                   [&](int worker, int, int) {
+                                     all_there.arrive_and_wait();
+                                     if (worker != 0) throw std::bad_alloc();
+                                   }),
+               std::bad_alloc);
 }
 
 INSTANTIATE_TEST_SUITE_P(Threads, CrewTest, ::testing::Values(1, 2, 5));

@@ -16,6 +16,7 @@
 #include "tests/support/progress.h"
 #include "tests/support/refusal.h"
 #include "tests/support/threaded_clock.h"
+#include "tests/support/throw_in.h"
 #include "tests/support/udp_listener.h"
 #include "tests/unit/pose/swing.h"
 
@@ -112,6 +113,15 @@ class CameraStreamTest : public ::testing::Test {
   }
   bool freed_ = true;
 };
+
+TEST_F(CameraStreamTest, WhatItsThreadThrowsIsLoggedAndNoPoseIsKnown) {
+  const test::ThrowIn thrown("receiving");
+  open(true);
+  EXPECT_TRUE(test::comes_true([] {
+    return test::logged("receiving: no memory is left: stop other programs: no more poses");
+  }));
+  EXPECT_FALSE(at(0).ok());
+}
 
 TEST_F(CameraStreamTest, GivesThePoseAtMidExposureFromBothProtocols) {
   for (const bool freed : {true, false}) {

@@ -12,7 +12,9 @@
 #include <unistd.h>
 
 #include "extras/broadcast/lens/freed_lens.h"
+#include "tests/support/progress.h"
 #include "tests/support/threaded_clock.h"
+#include "tests/support/throw_in.h"
 #include "tests/support/udp_listener.h"
 
 namespace mixrig::live {
@@ -85,6 +87,14 @@ TEST(LensStream, CountsFromWhenThePacketWasMade) {
   lens.send(6);
   lens.wait_for(sent - Duration(30ms), 6);
   EXPECT_FALSE(lens.at(sent + Duration(21ms)));
+}
+
+TEST(LensStream, WhatItsThreadThrowsIsLoggedAndNothingIsKnown) {
+  const test::ThrowIn thrown("receiving");
+  SentLens lens;
+  EXPECT_TRUE(test::comes_true([] { return test::logged("lens: receiving: no memory is left"); }));
+  lens.send(6);
+  EXPECT_FALSE(lens.at(lens.clock_.now()));
 }
 
 TEST(LensStream, IsThereWhereTheRigHasOne) {

@@ -5,6 +5,7 @@
 #include "tests/support/fake_bulk.h"
 #include "tests/support/progress.h"
 #include "tests/support/threaded_clock.h"
+#include "tests/support/throw_in.h"
 #include "tests/support/tof_stream.h"
 #include "tests/unit/hal_device/depth_camera_contract.h"
 
@@ -152,6 +153,15 @@ TEST_F(TofUsbFaults, RowsOutOfRangeAreALinkErrorAndNothingIsWrittenBeyondThePict
   ASSERT_TRUE(frames_come(2));
   EXPECT_EQ(camera_->health().link_errors, 1U);
   EXPECT_EQ(camera_->health().incomplete, 0U);
+}
+
+TEST(TofUsbThread, WhatItThrowsIsAFailureOfTheCamera) {
+  Rig rig;
+  const auto camera = rig.open();
+  const ThrowIn thrown("usb");
+  ASSERT_TRUE(camera->start([](const device::FramePtr&) {}));
+  EXPECT_TRUE(comes_true([&] { return camera->health().state == device::DeviceState::kFailed; }));
+  camera->stop();
 }
 
 TEST(TofUsbOpen, MalformedIdsAreRefused) {

@@ -12,6 +12,7 @@
 #include "hal/linux/v4l2/realsense_unit.h"
 #include "tests/support/progress.h"
 #include "tests/support/realsense_answer.h"
+#include "tests/support/throw_in.h"
 #include "tests/unit/hal_linux/fake_v4l2.h"
 
 namespace mixrig::test {
@@ -80,6 +81,25 @@ TEST_F(V4l2Camera, ASinglePlanarNodeTellsItsColoursAndSendsItsBytes) {
 }
 
 // NV12M: luma and chroma in buffers of their own, and a header before each.
+/// All drivers on DriverThread end so.
+TEST_F(V4l2Camera, WhatItsThreadThrowsIsLoggedAndTheCameraStops) {
+  node_.code = V4L2_PIX_FMT_YUYV;
+  node_.size = {4, 2};
+  node_.planes = {{8, 16}};
+  const auto camera = open();
+  ASSERT_TRUE(camera);
+  {
+    const ThrowIn thrown("driver");
+    ASSERT_TRUE(camera->start([](const device::FramePtr&) {}));
+    EXPECT_TRUE(comes_true([] {
+      return logged("driver: no memory is left: stop other programs: no more frames come");
+    }));
+  }
+  camera->stop();
+  node_.pictures = {{Bytes(16, 1)}};
+  EXPECT_EQ(take(*camera, 1)[0].bytes, Bytes(16, 1)) << "it can be started again";
+}
+
 TEST_F(V4l2Camera, PlanesOfAMultiPlanarNodeBecomeOnePicture) {
   node_.multi_planar = true;
   node_.code = V4L2_PIX_FMT_NV12M;

@@ -5,6 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/progress.h"
+#include "tests/support/threaded_clock.h"
+#include "tests/support/throw_in.h"
+
 namespace mixrig::device {
 namespace {
 
@@ -48,6 +52,25 @@ TEST(SoftwareSchedule, FiredMaskHasTheChannelsOfEveryTick) {
   schedule.configure(1, {.divider = 5, .phase = 25ms, .width = 1ms});
   for (std::uint64_t tick = 0; tick < 100; ++tick)
     EXPECT_EQ(schedule.fired(tick), (tick % 4 == 0 ? 1U : 0U) | (tick % 5 == 2 ? 2U : 0U)) << tick;
+}
+
+class NoLines final : public LineOutputs {
+ public:
+  int count() const override { return 1; }
+  Result<void> drive(int, bool) override { return {}; }
+};
+
+TEST(SoftwareTrigger, WhatItsThreadThrowsStopsItAndItCanBeStartedAgain) {
+  test::ThreadedClock clock;
+  SoftwareTrigger trigger(std::make_unique<NoLines>(), clock, "lines");
+  {
+    const test::ThrowIn thrown("trigger");
+    ASSERT_TRUE(trigger.start());
+    EXPECT_TRUE(test::comes_true([&] { return trigger.status()->state == TriggerState::kIdle; }));
+  }
+  ASSERT_TRUE(trigger.start());
+  EXPECT_EQ(trigger.status()->state, TriggerState::kRunning);
+  EXPECT_TRUE(trigger.stop());
 }
 
 }  // namespace

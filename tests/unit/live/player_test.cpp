@@ -7,6 +7,7 @@
 #include "tests/support/made_playable.h"
 #include "tests/support/progress.h"
 #include "tests/support/threaded_clock.h"
+#include "tests/support/throw_in.h"
 #include "tests/unit/hal_device/camera_contract.h"
 #include "tests/unit/hal_device/depth_camera_contract.h"
 
@@ -70,6 +71,17 @@ class PlayerTest : public ::testing::Test {
   std::mutex mutex_;
   std::vector<Got> color_, depth_;
 };
+
+TEST_F(PlayerTest, WhatItsThreadThrowsIsAFailureOfItsDevices) {
+  const ThrowIn thrown("playing");
+  const auto player = make_player(clock_, 50);
+  const auto color = player->camera();
+  const auto depth = player->depth();
+  ASSERT_TRUE(color->start(keep(color_)));
+  ASSERT_TRUE(depth->start(keep(depth_)));
+  EXPECT_TRUE(comes_true([&] { return color->health().state == device::DeviceState::kFailed; }));
+  EXPECT_EQ(depth->health().state, device::DeviceState::kFailed);
+}
 
 TEST_F(PlayerTest, ColourAndDepthOfAMomentShareCounterAndStamp) {
   const auto player = make_player(clock_, 50);

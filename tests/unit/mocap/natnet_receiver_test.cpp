@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "host/pose/mocap/mocap_poses.h"
 #include "tests/support/natnet_sender.h"
 #include "tests/support/progress.h"
+#include "tests/support/throw_in.h"
 #include "tests/unit/mocap/natnet_server.h"
 
 namespace mixrig::stream {
@@ -140,6 +142,20 @@ TEST(NatNetReceiver, ASilentServerIsNoErrorAndNoFrame) {
   }
   address.host = "no such host.invalid";
   EXPECT_EQ(NatNetReceiver::open(address, {3, 0}, clock).error().code, ErrorCode::kNotFound);
+}
+
+TEST(MocapPoses, WhatItsThreadThrowsIsLoggedAndNoPoseIsKnown) {
+  const NatNetServer server({packet(1)});
+  const SystemClock clock;
+  const test::ThrowIn thrown("receiving");
+  pose::MocapOptions options;
+  options.body_id = 1;
+  const auto poses =
+      pose::open_mocap_poses("127.0.0.1:" + std::to_string(server.port()), options, clock);
+  ASSERT_TRUE(poses) << poses.error().context;
+  EXPECT_TRUE(test::comes_true(
+      [] { return test::logged("motion capture: receiving: no memory is left"); }));
+  EXPECT_FALSE((*poses)->pose_of({}).ok());
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "tests/support/hand_gltf.h"
 #include "tests/support/progress.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/throw_in.h"
 
 namespace mixrig::session {
 namespace {
@@ -228,6 +229,19 @@ TEST(LiveSceneFollower, ReadsWhatWasSaved) {
   ASSERT_NE(edited, nullptr);
   EXPECT_EQ(edited->scene.objects.size(), 2U);
   EXPECT_EQ(follower.take_edited(), nullptr);
+}
+
+TEST(LiveSceneFollower, WhatItsThreadThrowsIsLoggedAndTheNextSaveIsRead) {
+  const test::TemporaryFolder folder;
+  folder.write("t.glb", a_triangle());
+  Session session;
+  session.scene = *scene::load_scene(folder.write("scene.toml", kHead + kThing));
+  const test::ThrowIn thrown("reading the scene");
+  SceneFollower follower(session, true);
+  EXPECT_TRUE(
+      test::comes_true([] { return test::logged("reading the scene: no memory is left"); }));
+  folder.write("scene.toml", kHead + kThing + object("second", "position_m = [0.5, 0, 2.5]"));
+  EXPECT_TRUE(test::comes_true([&] { return follower.edits().taken == 1; }));
 }
 
 /// With [events], objects may be moved, but neither added nor scaled.

@@ -6,10 +6,12 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include "host/capture/take/disk_sync.h"
 #include "host/capture/take/growing_table.h"
 #include "host/capture/take/repair.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/throw_in.h"
 #include "tests/unit/take/made_take.h"
 
 namespace mixrig::take {
@@ -179,6 +181,13 @@ TEST(FullTake, AFullDiskIsNamedAndTheTakeEndsWholeBeforeIt) {
     ASSERT_TRUE(finished) << finished.error().context;
     EXPECT_GE(whole_frames(folder / "take"), 5);
   }
+}
+
+TEST(FullTake, WhatTheThreadOfTheDiskThrowsIsNamed) {
+  const test::TemporaryFolder folder;
+  const test::ThrowIn thrown("writing to the disk");
+  DiskSync disk(folder.path());
+  EXPECT_TRUE(test::refused(disk.finish(), {"writing to the disk: no memory is left"}));
 }
 
 TEST(GrowingTable, HasAllRowsOfAnAppendOrNone) {

@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/progress.h"
+#include "tests/support/refusal.h"
+#include "tests/support/throw_in.h"
 #include "tests/unit/viewfinder/made_composite.h"
 
 namespace mixrig::viewfinder {
@@ -56,6 +58,14 @@ class ViewfinderTest : public ::testing::Test {
   ViewfinderReport report_;
   std::unique_ptr<FakeSource> source_;
 };
+
+TEST_F(ViewfinderTest, WhatItsThreadThrowsIsItsError) {
+  FakeSource source(true);
+  const test::ThrowIn thrown("window");
+  EXPECT_TRUE(test::refused(Viewfinder::create({.title = "test", .picture_px = kMadeSize}, source,
+                                               orders_, clock_, report_),
+                            {"window: no memory is left"}));
+}
 
 /// Sends a click at pixel (12, 34) of the picture.
 bool click() {

@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "hal/base/guarded.h"
 #include "hal/base/log.h"
 
 namespace mixrig::live {
@@ -22,7 +23,14 @@ Result<std::unique_ptr<LensStream>> LensStream::open(const RigConfig& config,
 }
 
 LensStream::LensStream(std::unique_ptr<LensReceiver> receiver, Duration delay, const Clock& clock)
-    : receiver_(std::move(receiver)), delay_(delay), clock_(clock), thread_([this] { listen(); }) {}
+    : receiver_(std::move(receiver)),
+      delay_(delay),
+      clock_(clock),
+      thread_(guarded_thread(
+          "receiving", [this] { return listen(); },
+          [](const Error& error) {
+            log_warning("live", "lens: " + to_line(error) + ": no more lens values are received");
+          })) {}
 
 LensStream::~LensStream() {
   stop_ = true;
@@ -31,17 +39,13 @@ LensStream::~LensStream() {
     log_warning("live", "lens: " + trouble);
 }
 
-void LensStream::listen() {
+Result<void> LensStream::listen() {
   constexpr Duration kLook = std::chrono::milliseconds(50);  // how often stop_ is checked
   while (!stop_) {
-    const auto encoders = receiver_->next(kLook);
-    if (!encoders) {
-      log_warning("live",
-                  "lens: " + encoders.error().context + ": no more lens values are received");
-      return;
-    }
-    if (*encoders) keep(**encoders);
+    MIXRIG_ASSIGN(const auto encoders, receiver_->next(kLook));
+    if (encoders) keep(*encoders);
   }
+  return {};
 }
 
 void LensStream::keep(const geometry::LensEncoders& encoders) {

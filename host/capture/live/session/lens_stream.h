@@ -35,7 +35,7 @@ class LensStream {
   std::optional<geometry::LensEncoders> at(HostTime mid_exposure) const;
 
  private:
-  void listen();
+  Result<void> listen();
   void keep(const geometry::LensEncoders& encoders);
 
   static constexpr std::size_t kKept = 128;  ///< half a second at 240 Hz
