@@ -24,6 +24,10 @@ Result<void> decode_png(Bytes bytes, const std::string& name, Image<std::uint16_
 Result<void> decode_png(Bytes bytes, const std::string& name, Image<std::uint8_t>& image);
 Result<void> decode_jpeg(Bytes bytes, const std::string& name, Image<Rgb8>& image);
 
+/// The size by the header. Errors: kFormat.
+Result<Size> png_size(Bytes bytes, const std::string& name);
+Result<Size> jpeg_size(Bytes bytes, const std::string& name);
+
 /// "cannot read picture NAME: WHY: WHAT TO DO".
 Error bad_picture(const std::string& name, const std::string& why,
                   const std::string& what_to_do = "replace the file");

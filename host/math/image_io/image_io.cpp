@@ -9,6 +9,7 @@
 
 #include "host/math/image_io/codecs.h"
 #include "host/math/image_io/depth_picture.h"
+#include "host/math/image_io/picture_size.h"
 
 namespace mixrig::image_io {
 namespace {
@@ -55,12 +56,27 @@ Error bad_picture(const std::string& name, const std::string& why, const std::st
                "cannot read picture '" + name + "': " + printable(why) + ": " + what_to_do};
 }
 
+namespace {
+
+Error neither(Bytes bytes, const std::string& name) {
+  return bad_picture(name, bytes.empty() ? "empty" : "neither PNG nor JPEG",
+                     "use a PNG or JPEG file");
+}
+
+}  // namespace
+
 Result<void> decode_rgb8(const std::uint8_t* data, std::size_t size, const std::string& name,
                          Image<Rgb8>& image) {
   const Bytes bytes(data, size);
   if (is_png(bytes)) return decode_png(bytes, name, image);
   if (is_jpeg(bytes)) return decode_jpeg(bytes, name, image);
-  return bad_picture(name, size == 0 ? "empty" : "neither PNG nor JPEG", "use a PNG or JPEG file");
+  return neither(bytes, name);
+}
+
+Result<Size> picture_size(Bytes bytes, const std::string& name) {
+  if (is_png(bytes)) return png_size(bytes, name);
+  if (is_jpeg(bytes)) return jpeg_size(bytes, name);
+  return neither(bytes, name);
 }
 
 Result<void> read_rgb8(const std::filesystem::path& path, Image<Rgb8>& image) {

@@ -95,6 +95,12 @@ bool is_jpeg(Bytes bytes) {
   return bytes.size() >= 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
 }
 
+Result<Size> jpeg_size(Bytes bytes, const std::string& name) {
+  JpegReader reader(bytes);
+  if (!reader.read_header()) return bad_picture(name, reader.why());
+  return reader.size();
+}
+
 Result<void> decode_jpeg(Bytes bytes, const std::string& name, Image<Rgb8>& image) {
   JpegReader reader(bytes);
   if (!reader.read_header()) return bad_picture(name, reader.why());

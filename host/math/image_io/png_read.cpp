@@ -119,6 +119,12 @@ Result<void> read_pixels(PngReader& reader, const std::string& name, Image<T>& i
 
 bool is_png(Bytes bytes) { return bytes.size() >= 8 && png_sig_cmp(bytes.data(), 0, 8) == 0; }
 
+Result<Size> png_size(Bytes bytes, const std::string& name) {
+  PngReader reader(bytes);
+  if (!reader.read_header()) return bad_picture(name, reader.why());
+  return reader.size();
+}
+
 Result<void> decode_png(Bytes bytes, const std::string& name, Image<Rgb8>& image) {
   PngReader reader(bytes);
   if (!reader.read_header() || !reader.convert_to_rgb8()) return bad_picture(name, reader.why());

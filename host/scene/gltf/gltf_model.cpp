@@ -11,6 +11,7 @@
 #include "hal/base/log.h"
 #include "host/math/config/table.h"
 #include "host/math/image_io/image_io.h"
+#include "host/math/image_io/picture_size.h"
 #include "host/scene/gltf/gltf_accessor.h"
 #include "host/scene/gltf/gltf_declared.h"
 #include "host/scene/gltf/gltf_file.h"
@@ -23,7 +24,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMaxModelBytes = std::size_t{1} << 30;
-constexpr std::size_t kMaxVertices = 20'000'000;  ///< of all meshes, each instance counted
+/// Most of a model. Meshes count as often as nodes use them, pictures as often as they are listed.
+constexpr std::size_t kMaxVertices = 20'000'000, kMaxCorners = 3 * kMaxVertices;
+constexpr std::size_t kMaxTexels = std::size_t{1} << 28;  ///< 0.8 GB, sixteen maps of 4096 x 4096
 constexpr int kMaxNodeDepth = 64;
 constexpr double kMostStrength = 1e6;  ///< largest emissive strength
 constexpr double kMostBend = 100;      ///< largest factor of a normal map
@@ -34,6 +37,8 @@ class ModelBuilder {
   explicit ModelBuilder(const GltfFile& file) : file_(file), visited_(file.gltf.nodes.size()) {}
 
   Result<Model> build() {
+    MIXRIG_TRY(check_pictures());
+    MIXRIG_TRY(check_meshes());
     for (const int root : roots()) MIXRIG_TRY(add_node(root, Eigen::Matrix4d::Identity(), 0));
     if (model_.meshes.empty()) return bad_gltf("has no triangles");
     return std::move(model_);
@@ -95,9 +100,6 @@ class ModelBuilder {
       if (mesh.indices.empty()) continue;
       set_factors(material, mesh);
       MIXRIG_TRY(set_maps(material, mesh));
-      vertices_ += mesh.positions_m.size();
-      if (vertices_ > kMaxVertices)
-        return bad_gltf("has more than 20 million vertices: simplify it");
       model_.meshes.push_back(std::move(mesh));
     }
     return {};
@@ -183,19 +185,60 @@ class ModelBuilder {
       return bad_gltf(no_picture(index, material));
     if (const auto known = texture_of_image_.find(source); known != texture_of_image_.end())
       return known->second;
-    const tinygltf::Image& image = file_.gltf.images[static_cast<std::size_t>(source)];
-    std::span<const std::uint8_t> bytes = file_.pictures[static_cast<std::size_t>(source)];
-    if (image.bufferView >= 0) {
-      MIXRIG_ASSIGN(bytes, view_bytes(file_.gltf, image.bufferView));
-    }
-    const std::string name =
-        image.uri.empty() ? "picture " + std::to_string(source) : image.uri.substr(0, 200);
+    MIXRIG_ASSIGN(const auto bytes, picture_bytes(static_cast<std::size_t>(source)));
+    const std::string name = picture_name(static_cast<std::size_t>(source));
     if (bytes.empty())
       return bad_gltf("its picture '" + name + "' is missing: put it beside the model");
     Image<Rgb8> pixels;
     MIXRIG_TRY(image_io::decode_rgb8(bytes.data(), bytes.size(), name, pixels));
     model_.textures.push_back(std::move(pixels));
     return texture_of_image_[source] = static_cast<int>(model_.textures.size()) - 1;
+  }
+
+  Result<std::span<const std::uint8_t>> picture_bytes(std::size_t image) const {
+    const int view = file_.gltf.images[image].bufferView;
+    if (view >= 0) return view_bytes(file_.gltf, view);
+    return std::span<const std::uint8_t>(file_.pictures[image]);
+  }
+
+  std::string picture_name(std::size_t image) const {
+    const std::string& uri = file_.gltf.images[image].uri;
+    return uri.empty() ? "picture " + std::to_string(image) : uri.substr(0, 200);
+  }
+
+  /// Many nodes may use one mesh: what they sum up to is checked before one is read.
+  Result<void> check_meshes() const {
+    std::size_t vertices = 0, corners = 0;
+    for (const tinygltf::Node& node : file_.gltf.nodes) {
+      if (node.mesh < 0 || static_cast<std::size_t>(node.mesh) >= file_.gltf.meshes.size())
+        continue;  // refused where it is used
+      for (const auto& part : file_.gltf.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
+        const auto position = part.attributes.find("POSITION");
+        const std::size_t own = position == part.attributes.end() ? 0 : count_of(position->second);
+        vertices += std::clamp<std::size_t>(own, 1, kMaxVertices + 1);
+        corners += std::min(part.indices < 0 ? own : count_of(part.indices), kMaxCorners + 1);
+        if (vertices > kMaxVertices || corners > kMaxCorners)
+          return bad_gltf("has more than 20 million vertices or triangles: simplify it");
+      }
+    }
+    return {};
+  }
+  std::size_t count_of(int accessor) const {
+    const auto index = static_cast<std::size_t>(accessor);
+    return index < file_.gltf.accessors.size() ? file_.gltf.accessors[index].count : 0;
+  }
+
+  /// A picture of a few bytes may state any size: their sum is checked before one is decoded.
+  Result<void> check_pictures() const {
+    std::size_t texels = 0;
+    for (std::size_t i = 0; i < file_.gltf.images.size(); ++i) {
+      const auto bytes = picture_bytes(i);
+      if (!bytes || bytes->empty()) continue;  // refused where it is used
+      if (const auto size = image_io::picture_size(*bytes, picture_name(i))) texels += size->area();
+      if (texels > kMaxTexels)
+        return bad_gltf("its pictures have more than 268 million pixels: make them smaller");
+    }
+    return {};
   }
 
   /// Why a texture has no picture that is read.
@@ -212,7 +255,6 @@ class ModelBuilder {
   const GltfFile& file_;
   std::vector<bool> visited_;
   std::map<int, int> texture_of_image_;
-  std::size_t vertices_ = 0;
   Model model_;
 };
 

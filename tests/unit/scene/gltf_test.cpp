@@ -201,6 +201,39 @@ TEST_F(Gltf, GlossIsThatOfTheFormatWhereAMaterialSaysNothing) {
   expect_near(model->meshes[0].emission, {0, 0, 0});
 }
 
+/// 16384 x 16384 pixels in a file of 100 bytes.
+TEST_F(Gltf, PicturesThatWouldFillTheMemoryAreRefusedByTheirHeaders) {
+  folder_.write("m.bin", kPositions + floats({0, 0, 1, 0, 0, 1}));
+  const auto path = folder_.write(
+      "m.gltf", mapped(R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})"));
+  folder_.write("a.png", test::hand_png(16384, 16384, 8, 2, ""));
+  folder_.write("b.png", test::hand_png(1, 1, 8, 2, test::bytes_of({0, 10, 20, 30})));
+  EXPECT_TRUE(test::refused(load_gltf(path), {"its pictures have more than 268 million pixels"}));
+}
+
+TEST_F(Gltf, MeshesThatManyNodesUseCountEachTime) {
+  std::string nodes = kNode, list = "0";
+  const int triangles = 2000, uses = 10'001;
+  for (int i = 1; i < uses; ++i) nodes += std::string(",") + kNode, list += "," + std::to_string(i);
+  std::string indices;
+  for (int i = 0; i < triangles; ++i) indices += kIndices;
+  const std::string bytes = std::to_string(36 + indices.size());
+  EXPECT_NE(
+      error_of(
+          glb(R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[)" + list + R"(]}],"nodes":[)" +
+                  nodes + R"(],"meshes":[{"primitives":[)" + kIndexed +
+                  R"(]}],"buffers":[{"byteLength":)" + bytes +
+                  R"(}],"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,
+                       "byteLength":)" +
+                  std::to_string(indices.size()) +
+                  R"(}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},
+                       {"bufferView":1,"componentType":5123,"type":"SCALAR","count":)" +
+                  std::to_string(3 * triangles) + "}]}",
+              kPositions + indices))
+          .find("20 million vertices or triangles"),
+      std::string::npos);
+}
+
 TEST_F(Gltf, MapsWithDifferentTextureCoordinatesAreRefused) {
   folder_.write("m.bin", kPositions + floats({0, 0, 1, 0, 0, 1}));
   const auto model = load_gltf(folder_.write("m.gltf", mapped(R"({"name":"paint",
