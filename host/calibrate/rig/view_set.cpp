@@ -22,7 +22,7 @@ namespace mixrig::calibration {
 namespace {
 
 constexpr int kMostViews = 500;
-constexpr std::size_t kMostAngleBytes = 1 << 20;
+constexpr std::size_t kMostFileBytes = 1 << 20;
 
 /// A pattern must hold one %06d and no other '%'.
 bool is_pattern(const std::string& text) {
@@ -130,11 +130,11 @@ Result<std::vector<ViewSet::Angles>> parse_angles(const std::string& text, const
   return angles;
 }
 
-Result<ViewSet> read_view_set(const std::filesystem::path& folder) {
-  MIXRIG_ASSIGN(config::Document document, config::Document::read(folder / "views.toml"));
+Result<ViewSet> parse_view_set(std::string_view text, const std::string& name,
+                               std::string& angles) {
+  MIXRIG_ASSIGN(config::Document document, config::Document::parse(text, name));
   const config::Table root = document.root();
   ViewSet set;
-  set.folder = folder;
   root.integer("format", {1, 1});
   set.name = root.text_or("name", "");
   set.views = root.integer("views", {1, kMostViews});
@@ -147,11 +147,20 @@ Result<ViewSet> read_view_set(const std::filesystem::path& folder) {
   }
   if (set.cameras.empty()) root.fail("camera", "there must be a [[camera]]");
   const config::Table unit = root.table("pan_tilt");
-  const std::string angles = unit.present() ? unit.text("angles") : "";
+  angles = unit.present() ? unit.text("angles") : "";
   if (unit.present()) set.step_rad = unit.number_or("step_deg", 0, {0, 10}) * kDeg;
   MIXRIG_TRY(document.finish());
+  return set;
+}
+
+Result<ViewSet> read_view_set(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "views.toml";
+  std::string angles;
+  MIXRIG_ASSIGN(const std::string views, config::read_text(file, kMostFileBytes));
+  MIXRIG_ASSIGN(ViewSet set, parse_view_set(views, file.string(), angles));
+  set.folder = folder;
   if (angles.empty()) return set;
-  MIXRIG_ASSIGN(const std::string text, config::read_text(folder / angles, kMostAngleBytes));
+  MIXRIG_ASSIGN(const std::string text, config::read_text(folder / angles, kMostFileBytes));
   MIXRIG_ASSIGN(set.angles, parse_angles(text, (folder / angles).string(), set.views));
   return set;
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hal/base/image.h"
@@ -41,7 +42,11 @@ struct ViewSet {
 
 /// Reads FOLDER/views.toml. Errors: kNotFound, kFormat (file:line: key).
 Result<ViewSet> read_view_set(const std::filesystem::path& folder);
-/// Parses "view,pan_deg,tilt_deg" lines; `name` is the file's name in errors. Pure and bounded: the
+/// Parses the text of a views.toml, of which `name` is the file's name in errors; `angles` becomes
+/// the name of the file of angles, empty without a pan-tilt unit. Pure and bounded: an entry point
+/// of the fuzzer. Errors: kFormat.
+Result<ViewSet> parse_view_set(std::string_view text, const std::string& name, std::string& angles);
+/// Parses "view,pan_deg,tilt_deg" lines; `name` is the file's name in errors. Pure and bounded: an
 /// entry point of the fuzzer. Errors: kFormat, also for a header that names radians, or no degrees.
 Result<std::vector<ViewSet::Angles>> parse_angles(const std::string& text, const std::string& name,
                                                   int views);
