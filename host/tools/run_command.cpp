@@ -111,6 +111,8 @@ Result<session::RunOptions> parse_options(const RunArguments& arguments, const C
   if (!arguments.save_room.empty()) options.save_room = arguments.save_room;
   if (arguments.page.takes_osc && !arguments.page.serves)
     return Error{ErrorCode::kUsage, "--osc-in needs --page: add it"};
+  if (!arguments.page.proxied.empty() && !arguments.page.serves)
+    return Error{ErrorCode::kUsage, "--page-proxy needs --page: add it"};
   options.epoch_ns = Duration(std::chrono::system_clock::now().time_since_epoch()).count() -
                      clock.now().time_since_epoch().count();
   return options;

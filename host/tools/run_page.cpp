@@ -14,6 +14,9 @@ void add_page_options(Command command, PageArguments& arguments) {
                   "serve the operator's page at ADDRESS:PORT, 127.0.0.1:8437 if none is given "
                   "(port 0: one that is free); a recording is played at its rate, again and again")
       .value_if_left_out("127.0.0.1:8437");
+  command.add_option("--page-proxy", arguments.proxied,
+                     "HOST by which a reverse proxy on this machine serves the page by https; "
+                     "needs --page");
   command
       .add_option("--record-to", arguments.takes,
                   "folder that the page's recordings are written to")
@@ -27,7 +30,9 @@ void add_page_options(Command command, PageArguments& arguments) {
 
 Result<PageRun> open_page(const PageArguments& arguments, session::Session& session, Clock& clock,
                           session::RunParts& parts) {
-  MIXRIG_ASSIGN(const page::Listen listen, page::parse_listen(arguments.listen));
+  MIXRIG_ASSIGN(page::Listen listen, page::parse_listen(arguments.listen));
+  if (!arguments.proxied.empty()) MIXRIG_TRY(page::check_proxied(arguments.proxied));
+  listen.proxied = arguments.proxied;
   std::optional<page::Listen> osc;
   if (arguments.takes_osc) {
     MIXRIG_ASSIGN(osc, page::parse_osc_listen(arguments.osc_in));

@@ -18,9 +18,9 @@ namespace mixrig::tools {
 struct PageArguments {
   bool serves = false;     ///< --page was given
   bool takes_osc = false;  ///< --osc-in was given
-  std::string listen, takes = "recordings", osc_in;
+  std::string listen, proxied, takes = "recordings", osc_in;
 };
-/// Adds --page, --record-to and --osc-in.
+/// Adds --page, --page-proxy, --record-to and --osc-in.
 void add_page_options(Command command, PageArguments& arguments);
 
 /// Serves the page while the object lives.
@@ -31,8 +31,8 @@ struct PageRun {
 
 /// Opens the page. From then on a recording is played at its rate, again and again. Adds sinks and
 /// the scene's follower to `parts`, which have the orders, and prints the page's address on stderr.
-/// `session`, `clock` and the orders outlive it. Errors: those of page::parse_listen and
-/// page::Server::start.
+/// `session`, `clock` and the orders outlive it. Errors: those of page::parse_listen,
+/// page::check_proxied and page::Server::start.
 Result<PageRun> open_page(const PageArguments& arguments, session::Session& session, Clock& clock,
                           session::RunParts& parts);
 

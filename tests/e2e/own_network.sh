@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# usage: own_network.sh PROGRAM: runs it in a network namespace with two loopback addresses, one for
-# each emulated GigE Vision camera: their discovery broadcasts.
+# usage: own_network.sh PROGRAM [ARGUMENT ...]: runs it in a network namespace with two loopback
+# addresses, one for each emulated GigE Vision camera: their discovery broadcasts.
 exec unshare --net --map-root-user \
-  sh -c "ip link set lo up && ip addr add 127.0.0.2/8 dev lo && exec \"$1\""
+  sh -c 'ip link set lo up && ip addr add 127.0.0.2/8 dev lo && exec "$@"' sh "$@"

@@ -24,7 +24,6 @@ namespace {
 constexpr std::uint32_t kMostHeader = 8 << 10;
 constexpr std::size_t kMostBuffer = 64 << 10;
 constexpr auto kMostIdle = std::chrono::seconds(30);
-constexpr auto kMostFirstHeader = std::chrono::seconds(5);
 constexpr auto kMostDrain = std::chrono::seconds(2);
 constexpr auto kMostUploadTime = std::chrono::seconds(120);
 
@@ -54,7 +53,7 @@ bool has_doubles(const Fields& fields) {
 }
 
 template <typename Header>
-Request request_of(const Header& header) {
+Request request_of(const Header& header, bool from_here) {
   const auto text = [](beast::string_view view) { return std::string(view.data(), view.size()); };
   return {method_of(header.method()),
           text(header.target()),
@@ -63,7 +62,8 @@ Request request_of(const Header& header) {
           text(header[http::field::content_type]),
           text(header[http::field::authorization]),
           text(header[http::field::cookie]),
-          text(header["Sec-Fetch-Site"])};
+          text(header["Sec-Fetch-Site"]),
+          from_here};
 }
 
 Answer answer_of_read(beast::error_code error) {
@@ -83,7 +83,8 @@ bool is_http_fault(beast::error_code error) {
 Connection::Connection(Hub& hub, boost::asio::ip::tcp::socket socket)
     : hub_(hub),
       stream_(std::move(socket)),
-      place_(hub.visitors, remote_address(stream_.socket()), [this] { stream_.close(); }),
+      place_(hub.visitors, remote_address(stream_.socket()), hub.clock.now(),
+             [this] { stream_.close(); }),
       buffer_(kMostBuffer) {}
 
 Connection::~Connection() {
@@ -96,7 +97,7 @@ void Connection::read_header() {
   header_.emplace();
   header_->header_limit(kMostHeader);
   header_->body_limit(kMostUpload);
-  stream_.expires_after(admitted_ ? kMostIdle : kMostFirstHeader);
+  stream_.expires_after(kMostIdle);
   place_.wait();
   http::async_read_header(stream_, buffer_, *header_,
                           [self = shared_from_this()](beast::error_code error, std::size_t) {
@@ -112,7 +113,7 @@ void Connection::on_header(beast::error_code error) {
   if (error && is_http_fault(error)) return send(answer_of_read(error), true);
   if (error) return stream_.close();
   if (has_doubles(header_->get())) return send(refusal(400, "a header field is given twice"), true);
-  const Request request = request_of(header_->get());
+  const Request request = request_of(header_->get(), is_of_this_machine(stream_.socket()));
   if (const auto visit = first_visit(hub_.guard, request)) return send(*visit, has_body());
   if (const auto refused = refuse(hub_.guard, request)) return send(*refused, has_body());
   admitted_ = place_.admit();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/operator/page/hub.h"
 
-#include <exception>
 #include <utility>
 
 #include <boost/asio/post.hpp>
@@ -13,23 +12,17 @@
 #include "host/operator/page/webrtc/webrtc_peer.h"
 
 namespace mixrig::page {
-namespace {
-
-/// Applies a command. Exceptions of the file system and of memory become errors.
-Result<void> applied(Operator& op, const Command& command) {
-  try {
-    return op.apply(command);
-  } catch (const std::exception& fault) {
-    return Error{ErrorCode::kIo, fault.what()};
-  }
-}
-
-}  // namespace
 
 std::string remote_address(const boost::asio::ip::tcp::socket& socket) {
   boost::system::error_code error;
   const auto other = socket.remote_endpoint(error);
   return error ? std::string() : other.address().to_string();
+}
+
+bool is_of_this_machine(const boost::asio::ip::tcp::socket& socket) {
+  boost::system::error_code error;
+  const auto other = socket.remote_endpoint(error);
+  return !error && other.address().is_loopback();
 }
 
 void Outlet::post(std::function<void()> work) {
@@ -51,7 +44,7 @@ void Hub::end_peer(std::shared_ptr<WebrtcPeer> peer) {
 
 void Hub::post_peer_work(std::function<void()> task) {
   boost::asio::post(peer_work, [task = std::move(task)] {
-    const Result<void> done = guarded("WebRTC", task);
+    const Result<void> done = guarded("work of WebRTC", task);
     if (!done) log_warning("page", done.error().context);
   });
 }
@@ -73,7 +66,8 @@ void Hub::act(Action action, std::function<void(Result<void>)> done) {
     return done(Error{ErrorCode::kData, "64 changes are waiting: send them more slowly"});
   ++at_work;
   boost::asio::post(work, [this, command = std::move(*command), done = std::move(done)]() mutable {
-    auto result = std::make_shared<Result<void>>(applied(op, command));
+    auto result =
+        std::make_shared<Result<void>>(guarded("a change", [&] { return op.apply(command); }));
     boost::asio::post(io, [this, result, done = std::move(done)] {
       --at_work;
       tell();

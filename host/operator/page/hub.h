@@ -45,6 +45,9 @@ class Outlet {
 /// Address of the other side; empty where it is gone.
 std::string remote_address(const boost::asio::ip::tcp::socket& socket);
 
+/// Whether the other side is a program of this machine, by the loop-back address.
+bool is_of_this_machine(const boost::asio::ip::tcp::socket& socket);
+
 struct Hub {
   Hub(Operator& run, output::RunOrders& run_orders, const Clock& host_clock)
       : op(run),

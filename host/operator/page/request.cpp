@@ -81,6 +81,11 @@ bool has_token(const Guard& guard, const Request& request) {
   return equal_in_constant_time(token_of_cookie(request.cookie), guard.token);
 }
 
+/// Whether the reverse proxy of this machine passes the request on.
+bool is_proxied(const Guard& guard, const Request& request) {
+  return !guard.proxied.empty() && request.from_here && request.host == guard.proxied;
+}
+
 bool is_change(Method method) { return method != Method::kGet; }
 
 /// Types that no form of another site can send.
@@ -152,7 +157,8 @@ std::optional<Answer> refuse(const Guard& guard, const Request& request) {
   if (request.host.empty()) return refusal(400, "the request has no Host");
   if (guard.token.empty() && !is_loopback_name(request.host))
     return refusal(403, "this page is served to this machine alone: open it as 127.0.0.1");
-  if (!request.origin.empty() && request.origin != "http://" + request.host)
+  const std::string own = (is_proxied(guard, request) ? "https://" : "http://") + request.host;
+  if (!request.origin.empty() && request.origin != own)
     return refusal(403, "the request comes from a page of another site");
   const bool elsewhere = request.fetch_site == "cross-site" || request.fetch_site == "same-site";
   if (elsewhere && request.target != "/")
@@ -175,12 +181,9 @@ std::optional<Answer> first_visit(const Guard& guard, const Request& request) {
                    "this token is wrong: open the page by the address that mixrig run printed");
   // Lax: a link clicked in a chat is a navigation that another site began, and a strict cookie
   // would not be sent on the redirect. Changes are checked by their Origin.
-  return Answer{
-      303,
-      "text/plain",
-      "",
-      {{"Location", "/"},
-       {"Set-Cookie", std::string(kCookie) + guard.token + "; Path=/; HttpOnly; SameSite=Lax"}}};
+  std::string cookie = std::string(kCookie) + guard.token + "; Path=/; HttpOnly; SameSite=Lax";
+  if (is_proxied(guard, request)) cookie += "; Secure";
+  return Answer{303, "text/plain", "", {{"Location", "/"}, {"Set-Cookie", std::move(cookie)}}};
 }
 
 std::string random_token() {

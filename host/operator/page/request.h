@@ -19,6 +19,7 @@ struct Request {
   Method method = Method::kGet;
   std::string target;
   std::string host, origin, content_type, authorization, cookie, fetch_site;
+  bool from_here = false;  ///< sent by a program of this machine
 };
 
 struct Answer {
@@ -31,6 +32,9 @@ struct Answer {
 /// Permission to use the page.
 struct Guard {
   std::string token;  ///< empty: only programs on this machine, by a name of the loop-back address
+  /// Host, without "https://", by which a reverse proxy on this machine serves the page; empty:
+  /// none. Such a page has a token.
+  std::string proxied{};
 };
 
 /// Headers of every answer: nothing is loaded from elsewhere, and no other page embeds this one.
@@ -46,9 +50,9 @@ bool equal_in_constant_time(std::string_view a, std::string_view b);
 
 /// Refusal of a request that must not be served, else nullopt. Without a token, a Host other than
 /// the loop-back address is refused (a foreign name that resolves to this machine). Also refused:
-/// an Origin that is not the Host; a site that the browser reports as another one, except for the
-/// page itself, which links may lead to; a missing or wrong token; a change that is neither JSON
-/// nor a model.
+/// an Origin that is not the Host, with https from the proxy of this machine alone; a site that the
+/// browser reports as another one, except for the page itself, which links may lead to; a missing
+/// or wrong token; a change that is neither JSON nor a model.
 std::optional<Answer> refuse(const Guard& guard, const Request& request);
 
 /// Answer to opening the page with the right ?token=TOKEN: sets the cookie and redirects to the

@@ -67,6 +67,19 @@ Result<Listen> parse_listen(std::string_view text) {
                                                ": give ADDRESS:PORT, such as 127.0.0.1:8437"});
 }
 
+Result<void> check_proxied(std::string_view name) {
+  constexpr std::string_view kOfName =
+      "abcdefghijklmnopqrstuvwxyz0123456789-.ABCDEFGHIJKLMNOPQRSTUVWXYZ";
+  const std::size_t end = std::min(name.find(':'), name.size());
+  const std::string_view port = name.substr(std::min(end + 1, name.size()));
+  if (end > 0 && name.substr(0, end).find_first_not_of(kOfName) == std::string_view::npos &&
+      (end == name.size() || !port.empty()) &&
+      port.find_first_not_of("0123456789") == std::string_view::npos)
+    return {};
+  return Error{ErrorCode::kUsage, "--page-proxy " + std::string(name) +
+                                      ": give the proxy's HOST or HOST:PORT, such as rig.example"};
+}
+
 Result<Listen> parse_osc_listen(std::string_view text) {
   const bool port_alone =
       !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
@@ -110,8 +123,10 @@ Result<void> Server::Impl::open(const Listen& listen) {
                         error.value());
   port = acceptor.local_endpoint().port();
   url = "http://" + host_text(wanted.address()) + ":" + std::to_string(port) + "/";
-  if (wanted.address().is_loopback()) return {};
+  if (wanted.address().is_loopback() && listen.proxied.empty()) return {};
   hub.guard.token = random_token();
+  if (hub.guard.proxied = listen.proxied; !listen.proxied.empty())
+    url = "https://" + listen.proxied + "/";
   url += "?token=" + hub.guard.token;
   return {};
 }
@@ -146,6 +161,7 @@ void Server::Impl::tell_later() {
   timer.expires_after(kTellEvery);
   timer.async_wait([this](boost::system::error_code error) {
     if (error) return;
+    hub.visitors.end_late(hub.clock.now());
     hub.tell();
     tell_later();
   });

@@ -21,17 +21,21 @@ inline constexpr std::uint16_t kDefaultPort = 8437, kDefaultOscPort = 8438;
 struct Listen {
   std::string address = "127.0.0.1";
   std::uint16_t port = kDefaultPort;  ///< 0: a free port is chosen
+  std::string proxied{};              ///< Guard::proxied
 };
 
 /// Parses "", "ADDRESS", "ADDRESS:PORT", "[ADDRESS]:PORT" or "localhost:PORT". Errors: kUsage.
 Result<Listen> parse_listen(std::string_view text);
+/// Checks the name of --page-proxy: "HOST" or "HOST:PORT". Errors: kUsage.
+Result<void> check_proxied(std::string_view name);
 /// Parses the address of --osc-in, which may also be "PORT". Errors: kUsage.
 Result<Listen> parse_osc_listen(std::string_view text);
 
 /// Serves at most 16 connections of an address and 32 of all, beside 32 that have sent no permitted
 /// request yet (Visitors), the first header within 5 s, headers of 8 KiB, bodies of 64 KiB (a
 /// model: 64 MiB, into a temporary file), 30 s without a request. On the loop-back address the page
-/// is for this machine alone; on another one it needs a token, which url() contains.
+/// is for this machine alone; on another one, and through a
+/// reverse proxy of this machine, it needs a token, which url() contains.
 class Server {
  public:
   /// Starts serving; with `osc_in` it also receives OSC at that address. `run` and `clock` outlive

@@ -15,7 +15,7 @@ TextSocket::TextSocket(Hub& hub, beast::tcp_stream stream, std::size_t most_mess
     : hub_(hub),
       socket_(std::move(stream)),
       place_(hub.visitors, remote_address(beast::get_lowest_layer(socket_).socket()),
-             [this] { close(); }) {
+             hub.clock.now(), [this] { close(); }) {
   socket_.read_message_max(most_message);
   place_.stay();
 }

@@ -32,11 +32,20 @@ bool Visitors::end_oldest(State state, const std::string* address) {
   return true;
 }
 
-Visitors::Place::Place(Visitors& visitors, std::string address, std::function<void()> end)
+void Visitors::end_late(HostTime now) {
+  for (Entry& one : all_) {
+    if (one.state != State::kGuest || now < one.came + kMostFirstHeader) continue;
+    one.state = State::kEnding;
+    one.end();
+  }
+}
+
+Visitors::Place::Place(Visitors& visitors, std::string address, HostTime came,
+                       std::function<void()> end)
     : visitors_(&visitors) {
   if (visitors.count(true) >= kMostGuests) visitors.end_oldest(State::kGuest);
   at_ = visitors.all_.insert(visitors.all_.end(),
-                             {std::move(address), State::kGuest, std::move(end)});
+                             {std::move(address), State::kGuest, came, std::move(end)});
 }
 
 Visitors::Place::~Place() {

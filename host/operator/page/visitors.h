@@ -7,6 +7,8 @@
 #include <list>
 #include <string>
 
+#include "hal/base/clock.h"
+
 namespace mixrig::page {
 
 /// Connections of the page, by address, those without a permitted request yet (guests) apart from
@@ -16,21 +18,23 @@ class Visitors {
   struct Entry {
     std::string address;
     State state = State::kGuest;
+    HostTime came{};
     std::function<void()> end;
   };
   using At = std::list<Entry>::iterator;
 
  public:
   static constexpr std::size_t kMostGuests = 32, kMost = 32, kMostOfAddress = 16;
+  static constexpr Duration kMostFirstHeader = std::chrono::seconds(5);
 
   /// The place of one connection; leaves it when destroyed.
   class Place {
    public:
     Place() = default;
-    /// Comes as a guest; `end`, which must not destroy the place before it returns, closes the
-    /// connection when its place is needed: that of the oldest guest of the address that has most
-    /// of them.
-    Place(Visitors& visitors, std::string address, std::function<void()> end);
+    /// Comes as a guest at `came`; `end`, which must not destroy the place before it returns,
+    /// closes the connection when its place is needed: that of the oldest guest of the address that
+    /// has most of them.
+    Place(Visitors& visitors, std::string address, HostTime came, std::function<void()> end);
     ~Place();
     Place(const Place&) = delete;
     Place& operator=(const Place&) = delete;
@@ -47,6 +51,9 @@ class Visitors {
     Visitors* visitors_ = nullptr;
     At at_{};
   };
+
+  /// Ends the guests that came kMostFirstHeader before `now`, however much they have sent.
+  void end_late(HostTime now);
 
  private:
   std::size_t count(bool guests, const std::string* address = nullptr) const;

@@ -106,6 +106,25 @@ TEST(PageGuard, TheFirstVisitGetsACookieThatOtherSitesCannotUse) {
   EXPECT_FALSE(first_visit({}, request));
 }
 
+TEST(PageGuard, HttpsIsTheOriginOfTheProxyOfThisMachineAlone) {
+  const Guard guard{kToken, "rig.example"};
+  Request request = get("rig.example");
+  request.from_here = true;
+  EXPECT_EQ(status_of(guard, request), 401) << "this machine needs the token, too";
+  request.cookie = "mixrig_token=" + kToken;
+  request.origin = "https://rig.example";
+  EXPECT_EQ(status_of(guard, request), 200);
+  for (const char* origin : {"http://rig.example", "https://evil.example", "https://rig.example:1"})
+    EXPECT_EQ((request.origin = origin, status_of(guard, request)), 403) << origin;
+  request.origin = "https://rig.example";
+  request.from_here = false;
+  EXPECT_EQ(status_of(guard, request), 403) << "another machine names the proxy's host";
+  request.target = "/?token=" + kToken;
+  EXPECT_EQ(first_visit(guard, request)->headers[1].second.find("Secure"), std::string::npos);
+  request.from_here = true;
+  EXPECT_NE(first_visit(guard, request)->headers[1].second.find("; Secure"), std::string::npos);
+}
+
 TEST(PageGuard, TokensHave128BitsAndDiffer) {
   std::set<std::string> tokens;
   for (int i = 0; i < 100; ++i) tokens.insert(random_token());

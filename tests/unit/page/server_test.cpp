@@ -8,6 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/progress.h"
+#include "tests/support/refusal.h"
+#include "tests/support/threaded_clock.h"
+#include "tests/support/throw_in.h"
 #include "tests/unit/page/page_server.h"
 
 namespace mixrig::page {
@@ -255,6 +258,15 @@ TEST_F(PageServer, AHostOfManyConnectionsEndsNoneOfAnotherAddress) {
   EXPECT_EQ(page.response().status, 200);
 }
 
+TEST_F(PageServer, WhatAHandlerThrowsEndsNotTheServer) {
+  const test::ThrowIn thrown("a connection");
+  auto server = Server::start(run_, orders_, clock_, {"127.0.0.1", 0});
+  ASSERT_TRUE(server);
+  EXPECT_TRUE(comes_true([] { return test::logged("a connection: no memory is left"); }));
+  server_ = *std::move(server);
+  EXPECT_EQ(ask(get("/api/v1/view")).status, 200);
+}
+
 TEST_F(PageServer, AFrozenPictureStays) {
   RawClient client(server_->port());
   client.send(get("/api/v1/picture/composite.mjpeg"));
@@ -303,6 +315,34 @@ TEST(PageServerAddress, ATokenIsNeededBeyondTheLoopback) {
   const std::string cookie = first.field("Set-Cookie");
   EXPECT_EQ(ask("/", "Cookie: " + cookie.substr(0, cookie.find(';')) + "\r\n").status, 200);
   EXPECT_EQ(ask("/?token=" + std::string(32, '0'), "").status, 401);
+}
+
+TEST(PageServerAddress, AProxyIsNamedByItsHost) {
+  for (const char* good : {"rig.example", "rig", "rig-2.example:8443", "10.0.0.2"})
+    EXPECT_TRUE(check_proxied(good)) << good;
+  for (const char* bad : {"https://rig.example", "rig.example/", "rig:", ":80", "a b", "rig:x"})
+    EXPECT_TRUE(test::refused(check_proxied(bad), {"--page-proxy", "HOST:PORT"})) << bad;
+}
+
+/// Time is the server's clock: whoever sends a header byte by byte is cut off, too.
+TEST(PageServerTime, AConnectionWithoutAWholeHeaderEndsAfterFiveSeconds) {
+  test::ThreadedClock clock;
+  FakeOperator run;
+  std::atomic<bool> stop = false;
+  output::RunOrders orders(stop);
+  const auto server = Server::start(run, orders, clock, {"127.0.0.1", 0});
+  ASSERT_TRUE(server);
+  RawClient slow((*server)->port()), page((*server)->port());
+  const std::string head = "GET /api/v1/view HTTP/1.1\r\nHost: 127.0.0.1\r\n";
+  page.send(head + "\r\n");
+  ASSERT_EQ(page.response().status, 200) << "the one before was accepted, too";
+  slow.send(head);
+  clock.advance(std::chrono::milliseconds(4900));
+  slow.send("X-Slow: 1\r\n");
+  clock.advance(std::chrono::milliseconds(101));
+  EXPECT_EQ(slow.read_all(), "");
+  page.send(head + "\r\n");
+  EXPECT_EQ(page.response().status, 200) << "a permitted one stays";
 }
 
 TEST(PageServerAddress, ATakenPortIsOneLine) {

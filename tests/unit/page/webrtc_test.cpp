@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/progress.h"
+#include "tests/support/throw_in.h"
 #include "tests/unit/page/page_server.h"
 
 namespace mixrig::page {
@@ -115,6 +116,17 @@ TEST_F(PageWebrtc, TheThirdIsToldThatTwoAreTheMost) {
   EXPECT_EQ(third["action"], "refused");
   EXPECT_NE(third["error"].get<std::string>().find("two browsers"), std::string::npos);
   a->close();
+  EXPECT_TRUE(comes_true([&] { return event(*open())["action"] == "offer"; }));
+}
+
+TEST_F(PageWebrtc, WhatItsThreadThrowsIsToldToTheBrowser) {
+  {
+    const test::ThrowIn thrown("WebRTC");
+    const json told = event(*open());
+    EXPECT_EQ(told["action"], "refused");
+    EXPECT_NE(told["error"].get<std::string>().find("WebRTC: no memory is left"),
+              std::string::npos);
+  }
   EXPECT_TRUE(comes_true([&] { return event(*open())["action"] == "offer"; }));
 }
 

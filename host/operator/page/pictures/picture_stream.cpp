@@ -38,7 +38,8 @@ std::string status_line(std::string_view status) {
 PictureStream::PictureStream(Hub& hub, beast::tcp_stream stream, GetPicture wanted)
     : hub_(hub),
       stream_(std::move(stream)),
-      place_(hub.visitors, remote_address(stream_.socket()), [this] { stream_.close(); }),
+      place_(hub.visitors, remote_address(stream_.socket()), hub.clock.now(),
+             [this] { stream_.close(); }),
       wanted_(wanted),
       patience_(hub.io) {
   place_.stay();
