@@ -2,6 +2,11 @@
 // The machine's system clock: its state, and its two time scales.
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <utility>
+
 #include "hal/base/clock.h"
 
 namespace mixrig {
@@ -23,5 +28,25 @@ inline UtcTime utc_from(TaiTime time, Duration tai_minus_utc) {
 /// Whether the kernel reports that PTP or NTP keeps the system clock synchronized, as `timedatectl`
 /// shows. Any thread.
 bool host_clock_is_synchronized();
+
+/// Reads the Unix time of host time 0, nanoseconds.
+using EpochReader = std::function<std::int64_t()>;
+
+/// Unix time of host time 0, read again every second, since the system time may be set while a run
+/// goes on. Not thread-safe.
+class HeldEpoch {
+ public:
+  explicit HeldEpoch(EpochReader read) : read_(std::move(read)) {}
+  /// Returns the Unix time of host time 0, nanoseconds. What differs by less than kLeastStep from
+  /// the last one is taken for the error of reading two clocks, and ignored.
+  std::int64_t at(HostTime now);
+
+  static constexpr Duration kLeastStep = std::chrono::milliseconds(50);
+
+ private:
+  EpochReader read_;
+  std::int64_t held_ns_ = 0;
+  std::optional<HostTime> read_at_;
+};
 
 }  // namespace mixrig

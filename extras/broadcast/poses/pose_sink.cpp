@@ -60,11 +60,10 @@ void set_lens(const geometry::Pinhole& view, double width_mm, stream::OpenTrackS
 }  // namespace
 
 Result<std::unique_ptr<PoseSink>> PoseSink::create(const std::vector<scene::PoseOut>& outs,
-                                                   std::int64_t epoch_ns,
-                                                   std::optional<HostTime> begin,
+                                                   EpochReader epoch, std::optional<HostTime> begin,
                                                    std::vector<PoseOutReport>& reports,
                                                    bool (*is_locked)()) {
-  std::unique_ptr<PoseSink> sink(new PoseSink(epoch_ns, begin, reports, is_locked));
+  std::unique_ptr<PoseSink> sink(new PoseSink(std::move(epoch), begin, reports, is_locked));
   for (const scene::PoseOut& out : outs) {
     auto sender = stream::DatagramSender::open(out.udp);
     if (!sender) return Error{sender.error().code, "pose_out.udp: " + sender.error().context};
@@ -75,8 +74,10 @@ Result<std::unique_ptr<PoseSink>> PoseSink::create(const std::vector<scene::Pose
 }
 
 Result<void> PoseSink::write(const output::CompositePtr& composite) {
-  if (begin_) epoch_ns_ += (*begin_ - composite->capture->mid_exposure).count();
+  const HostTime exposed = composite->capture->mid_exposure;
+  if (begin_) shift_ = *begin_ - exposed;
   begin_.reset();
+  epoch_ns_ = epoch_.at(exposed + shift_) + shift_.count();
   for (std::size_t i = 0; i < receivers_.size(); ++i) {
     Receiver& to = receivers_[i];
     ++(composite->pose.ok() ? reports_[i].frames : reports_[i].lost_frames);

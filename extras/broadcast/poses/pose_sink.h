@@ -30,12 +30,11 @@ nlohmann::json to_json(const std::vector<PoseOutReport>& reports);
 /// sent (FreeD).
 class PoseSink final : public output::CompositeSink {
  public:
-  /// `epoch_ns`: Unix time of host time 0. `begin`: host time that the first frame of a recording
+  /// `epoch`: the system time. `begin`: host time that the first frame of a recording
   /// gets. `reports` is complete after finish(), and must outlive the sink. `is_locked`: whether
   /// the system clock is synchronized; called every two seconds. Errors: kUsage, kDevice.
   static Result<std::unique_ptr<PoseSink>> create(const std::vector<scene::PoseOut>& outs,
-                                                  std::int64_t epoch_ns,
-                                                  std::optional<HostTime> begin,
+                                                  EpochReader epoch, std::optional<HostTime> begin,
                                                   std::vector<PoseOutReport>& reports,
                                                   bool (*is_locked)() = host_clock_is_synchronized);
   std::string_view name() const override { return "poses"; }
@@ -52,13 +51,15 @@ class PoseSink final : public output::CompositeSink {
     std::int64_t sensor_sent_ns = 0;
     bool locked = false;  ///< the clock was synchronized when the sensor was last sent
   };
-  PoseSink(std::int64_t epoch_ns, std::optional<HostTime> begin,
-           std::vector<PoseOutReport>& reports, bool (*is_locked)())
-      : epoch_ns_(epoch_ns), begin_(begin), reports_(reports), is_locked_(is_locked) {}
+  PoseSink(EpochReader epoch, std::optional<HostTime> begin, std::vector<PoseOutReport>& reports,
+           bool (*is_locked)())
+      : epoch_(std::move(epoch)), begin_(begin), reports_(reports), is_locked_(is_locked) {}
   void send_freed(const output::Composite& composite, Receiver& to);
   void send_opentrack(const output::Composite& composite, Receiver& to);
 
-  std::int64_t epoch_ns_;          ///< Unix time at time 0 of the captures
+  HeldEpoch epoch_;
+  std::int64_t epoch_ns_ = 0;      ///< Unix time at time 0 of the captures
+  Duration shift_{};               ///< host time minus time of the captures
   std::optional<HostTime> begin_;  ///< host time for a recording's first frame; empty after it
   std::vector<Receiver> receivers_;
   std::vector<PoseOutReport>& reports_;

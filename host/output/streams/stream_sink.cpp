@@ -104,8 +104,7 @@ Result<void> StreamSink::check(const scene::StreamOut& out, Size view, double ra
 
 Result<std::unique_ptr<StreamSink>> StreamSink::create(const scene::StreamOut& wanted, Size view,
                                                        double rate_hz, bool transparent,
-                                                       RoomBehind behind,
-                                                       std::optional<Duration> day_at_zero) {
+                                                       RoomBehind behind, DayAtZero day_at_zero) {
   scene::StreamOut out = wanted;
   MIXRIG_ASSIGN(StreamPlan plan, plan_with_host(out, view, rate_hz));
   if (plan.waits) out.uri = free_file(wanted.uri);
@@ -128,7 +127,8 @@ Result<std::unique_ptr<StreamSink>> StreamSink::create(const scene::StreamOut& w
   sink->graph_.reset(
       new Graph{std::move(pipeline), std::move(source), plan.waits, plan.i420, plan.calls});
   constexpr double kSlowest_hz = 0.5;
-  if (plan.timecode && rate_hz >= kSlowest_hz) sink->timecode_.emplace(rate_hz, day_at_zero);
+  if (plan.timecode && rate_hz >= kSlowest_hz)
+    sink->timecode_.emplace(rate_hz, std::move(day_at_zero));
   if (!plan.caps.empty())
     log_info("output", "stream_out \"" + out.uri + "\": its reader needs the caps " + plan.caps);
   return sink;

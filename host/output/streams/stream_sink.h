@@ -35,8 +35,7 @@ class StreamSink final : public CompositeSink {
   /// host time 0, is given, else at 0. Errors: those of check(); kIo if the end cannot be opened.
   static Result<std::unique_ptr<StreamSink>> create(const scene::StreamOut& wanted, Size view,
                                                     double rate_hz, bool transparent,
-                                                    RoomBehind behind,
-                                                    std::optional<Duration> day_at_zero = {});
+                                                    RoomBehind behind, DayAtZero day_at_zero = {});
   ~StreamSink() override;
   std::string_view name() const override { return "stream"; }
   render::OutputMask wanted(int) const override { return picture_.wanted(); }

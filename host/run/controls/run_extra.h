@@ -2,7 +2,6 @@
 // What an extra (MIXRIG_EXTRAS) adds to a run: sinks, the motion of objects, parts of the report.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -14,6 +13,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "hal/base/clock.h"
+#include "hal/base/clock_sync.h"
 #include "hal/base/result.h"
 #include "host/math/geometry/pose.h"
 #include "host/output/sink/composite_sink.h"
@@ -39,12 +39,12 @@ class ObjectMover {
   virtual void place(std::size_t object, const geometry::Pose& world_from_object) = 0;
 };
 
-/// What an extra is opened with. Everything but `folder` and `epoch_ns` outlives the extra.
+/// What an extra is opened with. Everything but `folder` and `epoch` outlives the extra.
 struct ExtraSetup {
   const Session& session;
   const Clock& clock;
   const std::optional<std::filesystem::path>& folder;  ///< of the run's files; absent: none
-  std::optional<std::int64_t> epoch_ns;                ///< RunOptions::epoch_ns
+  EpochReader epoch;                                   ///< RunOptions::epoch
 };
 
 /// What an extra contributes to one run. Its report is complete after its sinks have finished.

@@ -3,12 +3,12 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "hal/base/clock_sync.h"
 #include "hal/base/frame_range.h"
 #include "host/output/files/files_sink.h"
 #include "host/output/sink/composite_sink.h"
@@ -27,9 +27,8 @@ struct RunOptions {
   int sheet_rows = 6;                ///< frames on the contact sheet
   bool judge = true;                 ///< compare with truth, if the source has any
   bool true_people = false;          ///< sinks get people's true places, if the source has them
-  /// Unix time of host time 0, nanoseconds; if set, poses are sent to the programs that the scene
-  /// names.
-  std::optional<std::int64_t> epoch_ns;
+  /// The system time. If set, poses are sent to the programs that the scene names.
+  EpochReader epoch;
   std::vector<scene::StreamOut> streams;  ///< in addition to those of the scene
   bool baselines = false;                 ///< also judge plain composites
   /// Whether to watch the room for changes, if the background can be watched; absent: in live runs.

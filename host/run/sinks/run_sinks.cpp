@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "hal/base/clock_sync.h"
+#include "hal/base/log.h"
 #include "host/output/sheet/sheet_sink.h"
 #include "host/output/streams/timecode.h"
 
@@ -68,9 +70,12 @@ Result<void> RunSinks::check_streams() {
 
 Result<void> RunSinks::open_streams() {
   const render::CompositorSetup& setup = session_.setup;
-  std::optional<Duration> day;  // of live pictures; a recording counts from its beginning
-  if (live() && options_.epoch_ns)
-    day = output::local_day_at_zero(*options_.epoch_ns, clock_.now());
+  output::DayAtZero day;  // of live pictures; a recording counts from its beginning
+  if (live() && options_.epoch) day = output::local_day_by(options_.epoch);
+  if (day && !streams_.empty() && !host_clock_is_synchronized())
+    log_warning("session",
+                "the time is not known: no NTP or PTP sets this machine's clock: time code follows "
+                "it, and jumps when it is set");
   for (const scene::StreamOut& out : streams_) {
     output::RoomBehind behind;
     if (out.picture == scene::StreamOut::Picture::kStereo && !setup.backdrop)
@@ -86,7 +91,7 @@ Result<void> RunSinks::open_streams() {
 Result<void> RunSinks::open_extras(const std::optional<std::filesystem::path>& folder,
                                    const RunExtras& extras) {
   for (const auto& extra : extras) {
-    MIXRIG_ASSIGN(auto sinks, extra->open({session_, clock_, folder, options_.epoch_ns}));
+    MIXRIG_ASSIGN(auto sinks, extra->open({session_, clock_, folder, options_.epoch}));
     ObjectMover* const mover = extra->mover();
     if (mover != nullptr) mover_ = mover;
     for (auto& sink : sinks) {

@@ -48,7 +48,8 @@ TEST_P(PoseLoop, ThePoseThatWasSentIsThePoseThatIsUsed) {
   out.udp = options.address.substr(0, options.address.find(','));
   out.camera = 7;
   std::vector<PoseOutReport> reports;
-  const auto sink = PoseSink::create({out}, 1'750'000'000'000'000'000, std::nullopt, reports);
+  const auto sink = PoseSink::create(
+      {out}, [] { return 1'750'000'000'000'000'000; }, std::nullopt, reports);
   ASSERT_TRUE(sink) << sink.error().context;
   std::uint64_t sent = 0;
   for (int i = 0; i < 60; ++i) {

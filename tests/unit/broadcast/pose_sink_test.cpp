@@ -18,6 +18,7 @@ using Protocol = scene::PoseOut::Protocol;
 using Json = nlohmann::json;
 
 constexpr std::int64_t kEpoch_ns = 1'750'000'000'000'000'000;
+const EpochReader kEpoch = [] { return kEpoch_ns; };
 
 /// A camera at (1, 2, 1.5) m that looks 30 degrees to the right of +y, at 4.8 s.
 std::shared_ptr<output::Composite> frame() {
@@ -39,7 +40,7 @@ Json sample_in(const std::string& datagram) {
 class PoseSinkTest : public ::testing::Test {
  protected:
   std::unique_ptr<PoseSink> sink_of(std::vector<scene::PoseOut> outs) {
-    auto sink = PoseSink::create(outs, kEpoch_ns, std::nullopt, reports_);
+    auto sink = PoseSink::create(outs, kEpoch, std::nullopt, reports_);
     EXPECT_TRUE(sink) << sink.error().context;
     return sink ? *std::move(sink) : nullptr;
   }
@@ -88,7 +89,7 @@ TEST_F(PoseSinkTest, OpenTrackIOSaysWhatSetsTheClock) {
   const auto told = [&](ClockSource clock, bool (*is_locked)()) {
     scene::PoseOut out{Protocol::kOpenTrackJson, listener_.address()};
     out.clock = clock;
-    const auto sink = PoseSink::create({out}, kEpoch_ns, std::nullopt, reports_, is_locked);
+    const auto sink = PoseSink::create({out}, kEpoch, std::nullopt, reports_, is_locked);
     EXPECT_TRUE(sink && (*sink)->write(frame()));
     return sample_in(listener_.awaited())["timing"].value("synchronization", Json());
   };
@@ -115,7 +116,7 @@ TEST_F(PoseSinkTest, WhatIsSentAsPtpIsTai) {
 }
 
 TEST_F(PoseSinkTest, ARecordingBeginsWhenTheRunDoes) {
-  const auto sink = PoseSink::create({{Protocol::kOpenTrackJson, listener_.address()}}, kEpoch_ns,
+  const auto sink = PoseSink::create({{Protocol::kOpenTrackJson, listener_.address()}}, kEpoch,
                                      HostTime(std::chrono::seconds(100)), reports_);
   ASSERT_TRUE(sink) << sink.error().context;
   for (const int frame_ms : {0, 40}) {
@@ -127,6 +128,24 @@ TEST_F(PoseSinkTest, ARecordingBeginsWhenTheRunDoes) {
     const Json time = sample_in(listener_.awaited())["timing"]["sampleTimestamp"];
     EXPECT_EQ(time["seconds"], 1'750'000'100);
     EXPECT_EQ(time["nanoseconds"], frame_ms * 1'000'000);
+  }
+}
+
+TEST_F(PoseSinkTest, StampsFollowTheSystemTimeThatIsSetMeanwhile) {
+  std::int64_t epoch_ns = kEpoch_ns;
+  const auto sink = PoseSink::create(
+      {{Protocol::kOpenTrackJson, listener_.address()}}, [&] { return epoch_ns; }, std::nullopt,
+      reports_);
+  ASSERT_TRUE(sink) << sink.error().context;
+  for (const std::int64_t step_s : {0, 3600}) {
+    epoch_ns = kEpoch_ns + step_s * 1'000'000'000;
+    const auto composite = frame();
+    auto capture = std::make_shared<capture::Capture>(*composite->capture);
+    capture->mid_exposure += std::chrono::seconds(step_s > 0 ? 2 : 0);
+    composite->capture = capture;
+    ASSERT_TRUE((*sink)->write(composite));
+    EXPECT_EQ(sample_in(listener_.awaited())["timing"]["sampleTimestamp"]["seconds"],
+              1'750'000'004 + step_s + (step_s > 0 ? 2 : 0));
   }
 }
 
@@ -158,7 +177,7 @@ TEST_F(PoseSinkTest, ReceiversThatAreNotThereDoNotMatter) {
 
 TEST_F(PoseSinkTest, AnAddressThatIsNoneIsRefused) {
   const auto sink =
-      PoseSink::create({{Protocol::kFreeD, "nowhere:1"}}, kEpoch_ns, std::nullopt, reports_);
+      PoseSink::create({{Protocol::kFreeD, "nowhere:1"}}, kEpoch, std::nullopt, reports_);
   EXPECT_TRUE(test::refused(sink, {}, ErrorCode::kUsage));
   EXPECT_TRUE(sink.error().context.starts_with("pose_out.udp: \"nowhere:1\" is no address"))
       << sink.error().context;

@@ -121,7 +121,7 @@ class StreamSinkTest : public ::testing::Test {
   }
 
   test::TemporaryFolder folder_;
-  std::optional<Duration> day_at_zero_;
+  DayAtZero day_at_zero_;
   std::atomic<bool> gone_ = false;
 };
 
@@ -142,7 +142,7 @@ TEST_F(StreamSinkTest, TimecodeIsThatOfMidExposure) {
     for (const int i : {1, 2, 4}) ASSERT_TRUE(sink->write(bars_frame(i)));
     ASSERT_TRUE(sink->finish());
   };
-  day_at_zero_ = std::chrono::hours(12) + std::chrono::seconds(59 * 60 + 58);
+  day_at_zero_ = [](HostTime) { return std::chrono::seconds(12 * 3600 + 59 * 60 + 58); };
   write(folder_ / "fill.mov", Codec::kAuto);
   EXPECT_NE(probed(folder_ / "fill.mov", "stream_tags=timecode").find("12:59:59:01"),
             std::string::npos);
@@ -151,7 +151,7 @@ TEST_F(StreamSinkTest, TimecodeIsThatOfMidExposure) {
   for (const char* code : {"12:59:59:01", "12:59:59:02", "12:59:59:04"})
     EXPECT_NE(frames.find(code), std::string::npos) << code << " in " << frames;
   EXPECT_EQ(frames.find("12:59:59:03"), std::string::npos);
-  day_at_zero_.reset();
+  day_at_zero_ = nullptr;
   write(folder_ / "by_host.mkv", Codec::kH264);
   EXPECT_NE(probed(folder_ / "by_host.mkv", "frame_tags=timecode").find("00:00:00:03"),
             std::string::npos);

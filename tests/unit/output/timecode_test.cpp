@@ -21,7 +21,7 @@ TEST(Timecode, CountsPicturesOfADay) {
 }
 
 TEST(TimecodeCounter, LostPicturesLeaveAGapAndJitterDoesNotShow) {
-  TimecodeCounter counter(25, std::nullopt);
+  TimecodeCounter counter(25, nullptr);
   EXPECT_EQ(counter.next(at_ms(5013)), (Timecode{0, 0, 0, 0}));
   EXPECT_EQ(counter.next(at_ms(5013 + 40 + 15)), (Timecode{0, 0, 0, 1}));
   EXPECT_EQ(counter.next(at_ms(5013 + 80 - 15)), (Timecode{0, 0, 0, 2}));
@@ -29,7 +29,7 @@ TEST(TimecodeCounter, LostPicturesLeaveAGapAndJitterDoesNotShow) {
 }
 
 TEST(TimecodeCounter, BeginsAtTheTimeOfDay) {
-  const Duration noon = std::chrono::hours(12);
+  const DayAtZero noon = [](HostTime) { return std::chrono::hours(12); };
   TimecodeCounter counter(25, noon);
   EXPECT_EQ(counter.next(at_ms(61'000 + 120)), (Timecode{12, 1, 1, 3}));
   EXPECT_EQ(counter.next(at_ms(61'000 + 160)), (Timecode{12, 1, 1, 4}));
@@ -37,6 +37,22 @@ TEST(TimecodeCounter, BeginsAtTheTimeOfDay) {
   EXPECT_EQ(broadcast.per_second(), 30U);
   EXPECT_EQ(broadcast.next(at_ms(0)), (Timecode{12, 0, 0, 0}));
   EXPECT_EQ(broadcast.next(at_ms(1001)), (Timecode{12, 0, 1, 0})) << "no number is dropped";
+}
+
+/// NTP sets a board without a battery from 1970 to 2025 while it streams.
+TEST(TimecodeCounter, FollowsASystemTimeThatIsSet) {
+  ASSERT_EQ(setenv("TZ", "UTC0", 1), 0);
+  tzset();
+  std::int64_t epoch_ns = 0;
+  TimecodeCounter counter(25, local_day_by([&] { return epoch_ns; }));
+  EXPECT_EQ(counter.next(at_ms(1000)), (Timecode{0, 0, 1, 0}));
+  epoch_ns = 1'750'000'000'000'000'000;  // 15:06:40
+  EXPECT_EQ(counter.next(at_ms(1040)), (Timecode{0, 0, 1, 1})) << "it is read every second";
+  EXPECT_EQ(counter.next(at_ms(2000)), (Timecode{15, 6, 42, 0}));
+  epoch_ns += 49'000'000;
+  EXPECT_EQ(counter.next(at_ms(3000)), (Timecode{15, 6, 43, 0})) << "the error of a reading";
+  epoch_ns -= 3'600'000'000'000;
+  EXPECT_EQ(counter.next(at_ms(4000)), (Timecode{14, 6, 44, 1}));
 }
 
 TEST(LocalDay, FollowsTheTimeZone) {
