@@ -17,14 +17,26 @@ void log_end_of_driver(const Error& error) {
   log_warning("device", error.context + ": no more frames come");
 }
 
+std::uint64_t CounterLine::at(std::uint64_t raw) {
+  constexpr std::uint64_t kNear = 1000;  // frames lost at the wrap, at most
+  for (const std::uint64_t period : {std::uint64_t{0xFFFF}, std::uint64_t{1} << 32}) {
+    const auto before = [&](std::uint64_t v) { return v <= period && v + kNear > period; };
+    if (before(last_) && raw <= kNear) turns_ += period;
+    if (before(raw) && last_ <= kNear && turns_ >= period) return turns_ - period + raw;  // late
+  }
+  last_ = raw;
+  return turns_ + raw;
+}
+
 void StreamCount::come_back() {
   health.state = DeviceState::kStreaming;
   ++health.returns;
-  last_.reset();
+  begin();
   restarted_ = true;
 }
 
 bool StreamCount::count(Frame& frame, bool has_buffer) {
+  frame.sequence = line_.at(frame.sequence);
   if (last_ && frame.sequence > *last_ + 1) {
     health.lost += frame.sequence - *last_ - 1;
     frame.flags |= kFrameAfterGap;

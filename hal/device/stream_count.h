@@ -13,15 +13,27 @@
 
 namespace mixrig::device {
 
+/// Counts on where a counter of a device wraps: one of 32 bits, or of 16 bits that leaves out 0
+/// (GigE Vision 1, every 44 min at 25 Hz).
+class CounterLine {
+ public:
+  /// Returns the counter with its wraps. A counter that begins again elsewhere is no wrap.
+  std::uint64_t at(std::uint64_t raw);
+
+ private:
+  std::uint64_t last_ = 0, turns_ = 0;
+};
+
 /// Health of a stream of frames with a counter of the device. Not thread-safe: a driver guards it
 /// with its own mutex.
 class StreamCount {
  public:
   /// Call it when the device restarts its counter: no frame counts as lost before the next one.
-  void begin() { last_.reset(); }
+  void begin() { last_.reset(), line_ = {}; }
   /// Call it when a lost device streams again: its next frame is flagged kFrameRestarted.
   void come_back();
-  /// Sets the flags of a frame by its sequence number and counts it; the caller has set
+  /// Sets the flags of a frame by its sequence number, counts it, and gives it the number with its
+  /// wraps (CounterLine); the caller has set
   /// kFrameIncomplete where it is not whole. Returns false, counted as overrun, where every buffer
   /// is in use: do not publish it then.
   bool count(Frame& frame, bool has_buffer);
@@ -31,6 +43,7 @@ class StreamCount {
  private:
   std::optional<std::uint64_t> last_;
   bool restarted_ = false;
+  CounterLine line_;
 };
 
 /// Logs what has ended the thread of a driver.

@@ -220,7 +220,8 @@ Result<void> McuTrigger::stop() {
 void McuTrigger::take_telemetry(std::uint8_t type, std::span<const std::uint8_t> body) {
   protocol::TriggerTick tick;
   if (type != protocol::TriggerTick::kId || !protocol::read_message(body, tick)) return;
-  (void)ticks_.push({tick.tick, McuTime(microseconds(mcu_clock_.extend(tick.mcu_us))), tick.fired});
+  (void)ticks_.push({tick_line_.at(tick.tick),
+                     McuTime(microseconds(mcu_clock_.extend(tick.mcu_us))), tick.fired});
 }
 
 Result<std::size_t> McuTrigger::read_ticks(std::span<TriggerTick> out, Duration timeout) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "hal/device/stream_count.h"
 #include "hal/device/trigger.h"
 #include "hal/wire/trigger/mcu_link.h"
 
@@ -73,6 +74,7 @@ class McuTrigger final : public TriggerMaster {
   McuLink::RetryPolicy hello_retry_;
   TriggerInfo info_;
   McuClock mcu_clock_;
+  CounterLine tick_line_;  ///< ticks of 32 bits wrap after 497 days
   TickRing ticks_;
   std::uint64_t resets_ = 0;
 };

@@ -34,6 +34,41 @@ TEST(StreamCount, CountsWhatIsMissingByTheDevicesCounter) {
   EXPECT_EQ(count.health.incomplete, 1U);
 }
 
+/// What a GigE Vision 1 camera and a counter of 32 bits send at their ends.
+TEST(StreamCount, ACounterThatWrapsGoesOn) {
+  struct Row {
+    std::uint64_t before, after, period;
+  };
+  for (const Row& row : {Row{0xFFFE, 1, 0xFFFF}, Row{0xFFFFFFFE, 0, 1ULL << 32}}) {
+    StreamCount count;
+    Frame frame;
+    std::uint64_t wanted = row.before;
+    for (const std::uint64_t raw :
+         {row.before, row.before + 1, row.after, row.after + 1, row.after + 5}) {
+      frame.sequence = raw, frame.flags = kFrameOk;
+      EXPECT_TRUE(count.count(frame, true));
+      if (raw == row.after + 5) wanted += 3;
+      EXPECT_EQ(frame.sequence, wanted++);
+      EXPECT_EQ((frame.flags & kFrameAfterGap) != 0, raw == row.after + 5) << raw;
+    }
+    EXPECT_EQ(count.health.lost, 3U);
+    EXPECT_EQ(frame.sequence, row.period + row.after + 5);
+  }
+}
+
+TEST(CounterLine, ALateFrameAndARestartAreNoWrap) {
+  CounterLine line;
+  EXPECT_EQ(line.at(0xFFFF), 0xFFFFU);
+  EXPECT_EQ(line.at(2), 0x10001U);
+  EXPECT_EQ(line.at(0xFFFF), 0xFFFFU) << "it came late";
+  EXPECT_EQ(line.at(3), 0x10002U);
+  CounterLine restarts;
+  EXPECT_EQ(restarts.at(30'000), 30'000U);
+  EXPECT_EQ(restarts.at(0), 0U);
+  EXPECT_EQ(restarts.at(70'000), 70'000U) << "of more than 16 bits";
+  EXPECT_EQ(restarts.at(1), 1U);
+}
+
 TEST(StreamCount, AFrameWithoutABufferIsAnOverrunAndNotLostToo) {
   StreamCount count;
   Frame frame = numbered(1);

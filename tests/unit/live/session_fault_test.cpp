@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // One fault at a time in a running session: it is reported and counted, nothing is paired wrongly,
 // and two seconds after its end the rig delivers as before. The test controls the time.
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "tests/support/refusal.h"
+#include "tests/support/throw_in.h"
 #include "tests/unit/live/session_rig.h"
 
 namespace mixrig::live {
@@ -128,6 +131,17 @@ TEST_F(SessionFault, WhatAThreadThrowsEndsTheSession) {
   session_->stop();
 }
 
+TEST_F(SessionFault, WhatPairingOrReadingTheTriggerThrowsEndsTheSession) {
+  for (const char* name : {"pairing of frames", "trigger"}) {
+    const test::ThrowIn thrown(name);
+    session_.emplace(config_, devices_, clock_);
+    ASSERT_TRUE(session_->start()) << name;
+    wait([&] { return session_->ended(); });
+    EXPECT_TRUE(test::refused(session_->fault(), {name, "no memory is left"}, ErrorCode::kIo));
+    session_->stop();
+  }
+}
+
 TEST_F(SessionFault, ALimitThatTheHeadHitsIsReported) {
   add_head();
   ASSERT_TRUE(session_->start());
@@ -170,6 +184,57 @@ TEST(FreeRunningRig, CamerasOfAnyRateArePairedWithoutAMaster) {
     EXPECT_EQ(sets, 100) << rate_hz << " Hz";
     session.stop();
   }
+}
+
+/// 25.00 and 25.02 Hz: in 50 s the phase of the two goes through a whole period, and depth has one
+/// frame more.
+TEST(FreeRunningRig, EveryFrameIsAccountedForOverAWholeBeat) {
+  test::SteppedClock clock;
+  RigConfig config;
+  config.cameras.emplace_back();
+  config.depth.emplace();
+  Devices devices;
+  auto info = fake_info(device::PixelFormat::kRgb8);
+  auto color = std::make_unique<fake::FakeCamera>(clock, info, 64);
+  info.format = device::PixelFormat::kDepth16, info.rate_hz = 25.02;
+  auto depth = std::make_unique<fake::FakeCamera>(clock, info, 64);
+  auto *color_camera = color.get(), *depth_camera = depth.get();
+  devices.cameras.push_back(std::move(color));
+  devices.depth = device::as_depth_camera(std::move(depth), {});
+  LiveSession session(config, devices, clock);
+  ASSERT_TRUE(session.start());
+  const HostTime begin = clock.now();
+  std::vector<HostTime> color_at, depth_at;
+  std::vector<std::uint64_t> colors, depths;
+  double worst_s = 0;
+  const auto exposed_at = [&](std::size_t frames, double rate_hz) {
+    return begin + Duration(std::llround(1e9 * static_cast<double>(frames + 1) / rate_hz));
+  };
+  while (color_at.size() < 1500) {  // 60 s
+    const HostTime next_color = exposed_at(color_at.size(), 25),
+                   next_depth = exposed_at(depth_at.size(), 25.02);
+    clock.advance(std::min(next_color, next_depth) - clock.now());
+    (next_color < next_depth ? color_at : depth_at).push_back(clock.now());
+    (next_color < next_depth ? color_camera : depth_camera)->emit();
+    ASSERT_TRUE(test::comes_true([&] { return session.report().waiting_events == 0; }));
+    while (const auto set = session.next(0ms)) {
+      const auto& frames = set->frames.frames;
+      colors.push_back(frames[0].frame->sequence);
+      if (!frames[1].frame) continue;
+      depths.push_back(frames[1].frame->sequence);
+      worst_s = std::max(worst_s, std::abs(seconds(color_at.at(colors.back() - 1) -
+                                                   depth_at.at(depths.back() - 1))));
+    }
+  }
+  session.stop();
+  while (const auto set = session.next(0ms))
+    colors.push_back(set->frames.frames[0].frame->sequence);
+  ASSERT_EQ(colors.size(), color_at.size()) << "each colour frame is in a set";
+  for (std::size_t i = 0; i < colors.size(); ++i) ASSERT_EQ(colors[i], i + 1) << "once, in order";
+  EXPECT_TRUE(std::is_sorted(depths.begin(), depths.end(), std::less_equal<>()))
+      << "no depth frame twice";
+  EXPECT_LE(worst_s, 0.03);
+  EXPECT_GE(depths.size(), color_at.size() - 3);
 }
 
 /// The colour camera stamps by a clock of its own, which is set: the host's CLOCK_REALTIME
