@@ -223,9 +223,14 @@ class ModelBuilder {
     }
     return {};
   }
+  /// Values of an accessor, at most one a byte of its view: what goes beyond is refused when it is
+  /// read.
   std::size_t count_of(int accessor) const {
     const auto index = static_cast<std::size_t>(accessor);
-    return index < file_.gltf.accessors.size() ? file_.gltf.accessors[index].count : 0;
+    if (index >= file_.gltf.accessors.size()) return 0;
+    const auto view = static_cast<std::size_t>(file_.gltf.accessors[index].bufferView);
+    if (view >= file_.gltf.bufferViews.size()) return 0;
+    return std::min(file_.gltf.accessors[index].count, file_.gltf.bufferViews[view].byteLength);
   }
 
   /// A picture of a few bytes may state any size: their sum is checked before one is decoded.

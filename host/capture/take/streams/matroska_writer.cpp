@@ -44,15 +44,19 @@ const char* raw_format(PixelKind kind) {
 Result<MatroskaWriter> MatroskaWriter::create(const std::filesystem::path& path, PixelKind kind,
                                               Size size, double rate_hz) {
   const int rate_milli_hz = static_cast<int>(std::lround(rate_hz * 1000.0));
-  // Every frame is a key frame, so that readers can seek. What the encoder gives is in the file at
-  // once: a recording that is cut off has it.
+  // Every frame is a key frame, so that readers can seek. The muxer keeps its index, 32 bytes an
+  // entry, in memory until the end: it has every eighth frame, from which readers decode on. What
+  // the encoder gives is in the file at once: a recording that is cut off has it.
+  constexpr double kFramesPerEntry = 8;
+  const auto index_every_ns = std::llround(kFramesPerEntry / rate_hz * 1e9);
   const std::string description =
       std::string(
           "appsrc name=source format=time block=false max-bytes=0 caps=video/x-raw,format=") +
       raw_format(kind) + ",width=" + std::to_string(size.width) +
       ",height=" + std::to_string(size.height) + ",framerate=" + std::to_string(rate_milli_hz) +
       "/1000 ! avenc_ffv1 gop-size=1 ! matroskamux min-cluster-duration=500000000 "
-      "max-cluster-duration=1000000000 ! filesink name=file buffer-mode=unbuffered";
+      "max-cluster-duration=1000000000 min-index-interval=" +
+      std::to_string(index_every_ns) + " ! filesink name=file buffer-mode=unbuffered";
   MIXRIG_ASSIGN(Pipeline pipeline, Pipeline::create(description, path));
   GstElementPtr source(pipeline.element("source"));
   MIXRIG_TRY(pipeline.play());
