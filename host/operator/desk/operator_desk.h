@@ -35,6 +35,9 @@ class OperatorDesk final : public page::Operator {
 
   page::State state() const override;
   Result<void> apply(const page::Command& command) override;
+  Result<Image<Rgb8>> take_picture(const std::string& take, int frame) override {
+    return takes_.picture(take, frame);
+  }
 
   /// A sink of the run that sees and records every frame.
   std::unique_ptr<output::CompositeSink> make_sink();

@@ -125,4 +125,22 @@ Result<void> TakeList::apply(const page::SetTake& set) {
   return write_file(file, edited);
 }
 
+Result<Image<Rgb8>> TakeList::picture(const std::string& name, int frame) {
+  const Error none{ErrorCode::kNotFound, "there is no whole recording \"" + name + "\""};
+  std::error_code code;
+  if (!fs::exists(folder_ / name / "recording.toml", code)) return none;
+  if (!player_ || played_ != name) {
+    MIXRIG_ASSIGN(player_, take::TakeReader::open(folder_ / name / "composite"));
+    played_ = name;
+  }
+  const int frames = player_->info().frames;
+  if (frame < 1 || frame > frames)
+    return Error{ErrorCode::kNotFound, "\"" + name + "\" has frames 1 to " +
+                                           std::to_string(frames) + ", not " +
+                                           std::to_string(frame)};
+  capture::Capture read;
+  MIXRIG_TRY(player_->read(frame, read));
+  return std::move(read.plate);
+}
+
 }  // namespace mixrig::session

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "host/capture/take/take.h"
 #include "host/operator/page/operator.h"
 
 namespace mixrig::session {
@@ -25,6 +26,9 @@ class TakeList {
                                      std::optional<double> free_gb) const;
   /// Writes into recording.toml, whose other lines stay. Errors: kNotFound, kFormat, kIo.
   Result<void> apply(const page::SetTake& set);
+  /// Picture `frame`, from 1, of a whole recording, whose files stay open for the next call. One
+  /// call at a time. Errors: kNotFound, kFormat, kData.
+  Result<Image<Rgb8>> picture(const std::string& name, int frame);
 
  private:
   void look() const;
@@ -33,6 +37,8 @@ class TakeList {
   mutable std::mutex mutex_;  ///< guards the members below
   mutable std::filesystem::file_time_type looked_{};
   mutable std::vector<page::TakeState> takes_;
+  std::string played_;  ///< recording that `player_` reads
+  std::optional<take::TakeReader> player_;
 };
 
 }  // namespace mixrig::session

@@ -138,6 +138,11 @@ void Connection::serve(const Request& request) {
   }
   if (const auto* picture = std::get_if<GetPicture>(&route))
     return std::make_shared<PictureStream>(hub_, std::move(stream_), *picture)->start();
+  if (auto* wanted = std::get_if<GetTakePicture>(&route))
+    return hub_.get_take_picture(std::move(*wanted), [self = shared_from_this()](
+                                                         Result<std::string> jpeg) {
+      self->send(jpeg ? Answer{200, "image/jpeg", *std::move(jpeg), {}} : refusal(jpeg.error()));
+    });
   const auto* watched = std::get_if<WatchPicture>(&route);
   if (watched != nullptr || std::holds_alternative<OpenEvents>(route)) {
     if (!beast::websocket::is_upgrade(header_->get()))

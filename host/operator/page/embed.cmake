@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-# Writes OUT, a C++ file with a table of the files of folder IN. A string literal may have 64 KiB:
+# Writes OUT, a C++ file with a table of the files of folder IN and of the file MORE. A string literal may have 64 KiB:
 # longer files are given in pieces.
 cmake_minimum_required(VERSION 3.25)
 file(GLOB files RELATIVE ${IN} ${IN}/*)
 list(SORT files)
+list(APPEND files ${MORE})
 set(table "")
 foreach(name IN LISTS files)
-  file(READ ${IN}/${name} rest)
+  cmake_path(ABSOLUTE_PATH name BASE_DIRECTORY ${IN} OUTPUT_VARIABLE path)
+  cmake_path(GET name FILENAME name)
+  file(READ ${path} rest)
   set(pieces "")
   string(LENGTH "${rest}" length)
   set(at 0)

@@ -7,11 +7,27 @@
 
 #include "hal/base/guarded.h"
 #include "hal/base/log.h"
+#include "host/math/image_io/jpeg_write.h"
 #include "host/operator/page/event_socket.h"
 #include "host/operator/page/osc/osc_port.h"
 #include "host/operator/page/webrtc/webrtc_peer.h"
 
 namespace mixrig::page {
+namespace {
+
+/// JPEG of a picture of a recording.
+Result<std::string> take_jpeg(Operator& op, const GetTakePicture& wanted) {
+  constexpr int kQuality = 85;
+  std::string jpeg;
+  MIXRIG_TRY(guarded("a picture of a take", [&]() -> Result<void> {
+    MIXRIG_ASSIGN(const Image<Rgb8> picture, op.take_picture(wanted.take, wanted.frame));
+    MIXRIG_ASSIGN(jpeg, image_io::encode_jpeg(picture.view(), kQuality));
+    return {};
+  }));
+  return jpeg;
+}
+
+}  // namespace
 
 std::string remote_address(const boost::asio::ip::tcp::socket& socket) {
   boost::system::error_code error;
@@ -61,7 +77,6 @@ void Hub::act(Action action, std::function<void(Result<void>)> done) {
     return done(std::move(given));
   }
   auto* command = std::get_if<Command>(&action);
-  constexpr int kMostAtWork = 64;
   if (at_work >= kMostAtWork)
     return done(Error{ErrorCode::kData, "64 changes are waiting: send them more slowly"});
   ++at_work;
@@ -71,6 +86,19 @@ void Hub::act(Action action, std::function<void(Result<void>)> done) {
     boost::asio::post(io, [this, result, done = std::move(done)] {
       --at_work;
       tell();
+      done(std::move(*result));
+    });
+  });
+}
+
+void Hub::get_take_picture(GetTakePicture wanted, std::function<void(Result<std::string>)> done) {
+  if (at_work >= kMostAtWork)
+    return done(Error{ErrorCode::kData, "64 changes are waiting: ask more slowly"});
+  ++at_work;
+  boost::asio::post(work, [this, wanted = std::move(wanted), done = std::move(done)]() mutable {
+    auto result = std::make_shared<Result<std::string>>(take_jpeg(op, wanted));
+    boost::asio::post(io, [this, result, done = std::move(done)] {
+      --at_work;
       done(std::move(*result));
     });
   });

@@ -60,6 +60,8 @@ struct Hub {
   /// Runs an action. Orders are given at once; commands run in the work thread, one at a time, and
   /// are refused (kData) while 64 wait. `done` is called on the server's thread.
   void act(Action action, std::function<void(Result<void>)> done);
+  /// Gets a picture of a recording as JPEG, in the work thread, as act() does.
+  void get_take_picture(GetTakePicture wanted, std::function<void(Result<std::string>)> done);
   /// Sends what changed to every event socket and to the control surfaces that use OSC.
   void tell();
   /// Destroys the peer in `peer_work`, then frees its place among `peers`; null frees the place
@@ -79,7 +81,8 @@ struct Hub {
   std::set<WebrtcSocket*> peer_sockets;
   int peers = 0;           ///< number of WebRTC peers, with those that begin or end
   OscPort* osc = nullptr;  ///< null: OSC is not received
-  int at_work = 0;         ///< commands that are not done yet
+  constexpr static int kMostAtWork = 64;
+  int at_work = 0;  ///< commands that are not done yet
   boost::asio::io_context io{1};
   boost::asio::thread_pool work{1}, peer_work{1};
   std::shared_ptr<Outlet> outlet = std::make_shared<Outlet>(io);

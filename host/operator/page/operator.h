@@ -13,6 +13,7 @@
 
 #include <Eigen/Core>
 
+#include "hal/base/image.h"
 #include "hal/base/result.h"
 
 namespace mixrig::page {
@@ -269,6 +270,10 @@ class Operator {
   /// kNotFound for an unknown object or lamp; kUsage, kFormat for values out of range;
   /// kUnsupported, kData where this run cannot do it now; kIo.
   virtual Result<void> apply(const Command& command) = 0;
+  /// Picture `frame`, from 1, of a whole recording. Reads files and may take a second; one call at
+  /// a time, also beside apply(). Errors: kNotFound for an unknown recording or frame; kFormat,
+  /// kData of its files.
+  virtual Result<Image<Rgb8>> take_picture(const std::string& take, int frame) = 0;
 };
 
 }  // namespace mixrig::page

@@ -86,7 +86,8 @@ bool is_proxied(const Guard& guard, const Request& request) {
   return !guard.proxied.empty() && request.from_here && request.host == guard.proxied;
 }
 
-bool is_change(Method method) { return method != Method::kGet; }
+/// Methods other than these four are answered with those that an address has.
+bool is_change(Method method) { return method != Method::kGet && method != Method::kOther; }
 
 /// Types that no form of another site can send.
 bool is_own_type(std::string_view type) {
@@ -165,8 +166,6 @@ std::optional<Answer> refuse(const Guard& guard, const Request& request) {
     return refusal(403, "the request comes from a page of another site");
   if (!guard.token.empty() && !has_token(guard, request))
     return refusal(401, "a token is needed: open the page by the address that mixrig run printed");
-  if (request.method == Method::kOther)
-    return refusal(405, "only GET, PUT, POST and DELETE are served");
   if (is_change(request.method) && !is_own_type(request.content_type))
     return refusal(415, "changes need Content-Type: application/json");
   return std::nullopt;

@@ -29,6 +29,11 @@ struct GetPicture {
   View view = View::kComposite;
   bool stream = false;  ///< false: a single picture
 };
+/// Gets picture `frame`, from 1, of a recording.
+struct GetTakePicture {
+  std::string take;
+  int frame = 1;
+};
 /// Opens the WebRTC socket of a view.
 struct WatchPicture {
   View view = View::kComposite;
@@ -47,8 +52,8 @@ struct Change {
                      ///< "discard", "undo", "redo", "learn", "scan", "cancel"
 };
 
-using Route =
-    std::variant<Answer, GetFile, GetState, GetPicture, WatchPicture, OpenEvents, Upload, Change>;
+using Route = std::variant<Answer, GetFile, GetState, GetPicture, GetTakePicture, WatchPicture,
+                           OpenEvents, Upload, Change>;
 using Action = std::variant<Command, output::RunOrder>;
 
 inline constexpr std::size_t kMostBody = std::size_t{64} << 10;

@@ -11,7 +11,9 @@ namespace {
 using nlohmann::json;
 
 double to_digits(double value, double step) {
-  return std::isfinite(value) ? std::round(value / step) * step : 0;
+  // A product with the step would have digits beyond it: 11.700000000000001.
+  const double steps = std::round(1 / step);
+  return std::isfinite(value) ? std::round(value * steps) / steps : 0;
 }
 
 template <typename V>

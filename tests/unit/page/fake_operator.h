@@ -25,6 +25,10 @@ class FakeOperator final : public Operator {
     if (const auto* set = std::get_if<SetLamp>(&command)) state_.lamps[0].on = *set->on;
     return {};
   }
+  Result<Image<Rgb8>> take_picture(const std::string& take, int frame) override {
+    if (take == "take 1" && frame <= 3) return Image<Rgb8>({16, 8}, {200, 10, 10});
+    return Error{ErrorCode::kNotFound, "there is no frame " + std::to_string(frame)};
+  }
   std::vector<Command> commands() const {
     const std::lock_guard lock(mutex_);
     return commands_;

@@ -28,6 +28,18 @@ TEST(PageRoute, FilesAndStateAndPictures) {
       std::holds_alternative<OpenEvents>(route_of(Method::kGet, "/api/v1/event/websocket")));
 }
 
+TEST(PageRoute, APictureOfATakeHasANumber) {
+  const auto picture =
+      std::get<GetTakePicture>(route_of(Method::kGet, "/api/v1/takes/a%201/7.jpg"));
+  EXPECT_EQ(picture.take, "a 1");
+  EXPECT_EQ(picture.frame, 7);
+  for (const char* file : {"0.jpg", "-1.jpg", "7.png", "7.jpgx", "99999999999.jpg", ".jpg", "x"})
+    EXPECT_EQ(status_of(route_of(Method::kGet, std::string("/api/v1/takes/a/") + file)), 404)
+        << file;
+  EXPECT_EQ(status_of(route_of(Method::kPut, "/api/v1/takes/a/7.jpg")), 405);
+  EXPECT_EQ(status_of(route_of(Method::kOther, "/api/v1/objects/a")), 405);
+}
+
 TEST(PageRoute, WhatIsNotThereIs404AndAWrongMethod405) {
   for (const char* target :
        {"/a/b", "/api", "/api/v1", "/api/v2/state", "/api/v1/nothing", "/api/v1/picture/x.jpg",
