@@ -41,10 +41,11 @@ function makeTake(t) {
   const put = body => ask('PUT', thing_path('takes', t.name), body);
   const circle = field('circle', t.name, make('button', { className: 'circle', title: 'Mark as a good take',
     onclick: e => put({ circled: e.currentTarget.getAttribute('aria-pressed') !== 'true' }) }));
+  const play = field('play', t.name, make('button', { onclick: () => Player.open(state.takes.find(one => one.name === t.name)) }, 'Play'));
   const notes = field('notes', t.name, make('input', { type: 'text', maxLength: 1000, placeholder: 'notes',
     onchange: e => put({ notes: e.target.value }) }));
   return make('div', { className: 'thing take' }, circle,
-    make('div', {}, make('b', {}, t.name), make('p', { className: 'hint' }), notes));
+    make('div', {}, make('b', {}, t.name), make('p', { className: 'hint' }), notes), play);
 }
 function updateTake(block, t) {
   const whole = t.frames > 0;
@@ -55,7 +56,7 @@ function updateTake(block, t) {
   const circle = part(block, 'circle');
   circle.setAttribute('aria-pressed', t.circled);
   set(circle, 'textContent', t.circled ? '\u25c9' : '\u25cb');
-  circle.disabled = part(block, 'notes').disabled = !whole;
+  circle.disabled = part(block, 'notes').disabled = part(block, 'play').disabled = !whole;
   setValue(part(block, 'notes'), t.notes);
 }
 function showTakes(list) {
