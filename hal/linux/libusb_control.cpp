@@ -106,7 +106,8 @@ Result<void> open_only_one(Session& session, UsbId id, const std::string& name) 
   }
   if (status == 0) return {};
   return usb_error(ErrorCode::kIo,
-                   "cannot open USB device " + name + ": install board/udev rules, or run as root",
+                   "cannot open USB device " + name +
+                       ": install 70-mixrig.rules in /etc/udev/rules.d, or run as root",
                    status);
 }
 

@@ -71,7 +71,10 @@ bool worth_keeping(std::span<const std::uint8_t> flash) {
 
 Result<std::vector<std::uint8_t>> read_image_file(const std::string& path) {
   std::ifstream in(path, std::ios::binary | std::ios::ate);
-  if (!in) return system_error(ErrorCode::kNotFound, "cannot open image " + path, errno);
+  if (!in)
+    return system_error(ErrorCode::kNotFound,
+                        "cannot open image " + path + ": firmware/README.md says how it is built",
+                        errno);
   const auto size = static_cast<std::int64_t>(in.tellg());
   if (size < 0 || size > static_cast<std::int64_t>(protocol::kMaxImage)) {
     return bad(path, "is larger than any image (" + std::to_string(protocol::kMaxImage) +

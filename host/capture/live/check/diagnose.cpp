@@ -276,7 +276,8 @@ std::vector<Check> diagnose(const RigConfig& rig, DeviceOpener opener,
   OpenedRig opened = open_each(rig, std::move(opener), checks);
   if (checks.empty())
     checks.push_back({"host", "devices", Verdict::kFail, "none",
-                      "nothing is connected, or the user may not open devices: see board/udev"});
+                      "nothing is connected, or the user may not open devices: install "
+                      "70-mixrig.rules in /etc/udev/rules.d"});
   if (opened.devices.pan_tilt && options.move_head)
     check_head(*opened.devices.pan_tilt, clock, checks);
   if (!opened.devices.cameras.empty() || opened.devices.depth)
