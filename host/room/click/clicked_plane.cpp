@@ -24,8 +24,12 @@ constexpr int kLeastClickPoints = 12;     ///< around the click
 constexpr double kLeastKnownClick = 0.6;  ///< of the pixels around it
 constexpr double kNearClick = 2.5;        ///< pixels of the depth camera that must lie on the plane
 constexpr double kMostNearOff = 0.1;      ///< share of them that may not
-constexpr std::array<double, 4> kNoisier{1, 1.5, 2.2, 3.3};  ///< than the stated sigma
-constexpr double kCurvedSigmas = 5, kCurved_m = 4e-3;        ///< over the rectangle
+/// Noise in stated sigmas, in the order in which it is tried. That of a take which states none may
+/// be far larger than its depth's.
+constexpr std::array kNoisier{1.0, 1.5, 2.2, 3.3, 0.5, 0.25};
+constexpr double kMostNoisier = 3.3, kLeastNoisier = 0.25;
+constexpr double kSurelyLess = 0.6;  ///< measured noise below this share of the stated is believed
+constexpr double kCurvedSigmas = 5, kCurved_m = 4e-3;  ///< over the rectangle
 constexpr double kLeastArea_m2 = 0.01;
 constexpr double kLeastClickSine = 0.087;  ///< 5 degrees
 constexpr int kClickRounds = 3;
@@ -291,8 +295,9 @@ std::variant<ClickedPlane, ClickRefusal> plane_under(const ClickPicture& picture
   ClickRegion region(grid);
   std::vector<double> sizes;
   for (const ClickPlace& at : around.known) sizes.push_back(std::abs(region.sigmas(plane, at)));
-  const double noisier = std::clamp(1.4826 * upper_median(sizes), 1.0, kNoisier.back());
-  grid.scale_sigmas(noisier);
+  const double measured = 1.4826 * upper_median(sizes);
+  grid.scale_sigmas(
+      std::clamp(measured, measured < kSurelyLess ? kLeastNoisier : 1.0, kMostNoisier));
   std::vector<ClickPlace> on;
   int near = 0, near_off = 0;
   for (const ClickPlace& at : around.known) {

@@ -84,6 +84,23 @@ TEST(ClickedPlane, IsTheTablesToItsOwnSigmas) {
   EXPECT_LT(offset_nees / kTrials, 3);
 }
 
+TEST(ClickedPlane, IsFoundWhereTheStatedNoiseIsFarTooLarge) {
+  Drawn drawn;
+  drawn.noise = {0.001, 0.0005, 0.0002};  // 3 mm at the table; a take that states none has 13 mm
+  for (int i = 0; i < 10; ++i) {
+    const Image<float> depth = drawn.draw(static_cast<unsigned>(i));
+    ClickPicture picture = drawn.picture(depth);
+    picture.noise = {};
+    const auto found = plane_under(picture, {drawn.table_px(), {}});
+    ASSERT_TRUE(std::holds_alternative<ClickedPlane>(found))
+        << text_of(std::get<ClickRefusal>(found));
+    const auto& plane = std::get<ClickedPlane>(found);
+    EXPECT_LT(std::acos(std::min(1.0, plane.plane.normal.dot(drawn.table_normal))), 0.3 * kDeg);
+    EXPECT_LT(std::abs(drawn.table_normal.dot(plane.point_m - Vector3d(0, 0.25, drawn.table_m))),
+              2e-3);
+  }
+}
+
 TEST(ClickedPlane, GrowsToItsBorderAndNoFarther) {
   const Drawn drawn;
   const Image<float> depth = drawn.draw(1);
