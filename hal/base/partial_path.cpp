@@ -59,6 +59,41 @@ bool is_locked(const fs::path& folder) {
   return locked;
 }
 
+/// The first file or folder in `folder` that is newer than `marker`, which the program that made
+/// the folder writes last; empty where there is none. A link is not followed.
+fs::path newer_than(const fs::path& folder, const fs::path& marker) {
+  struct stat made {
+  }, now{};
+  if (::stat(marker.c_str(), &made) != 0) return {};
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, error)) {
+    if (::lstat(entry.path().c_str(), &now) != 0 || S_ISDIR(now.st_mode)) continue;
+    if (std::pair(now.st_mtim.tv_sec, now.st_mtim.tv_nsec) >
+        std::pair(made.st_mtim.tv_sec, made.st_mtim.tv_nsec))
+      return entry.path();
+  }
+  return {};
+}
+
+/// Refuses a folder that another program, or a person, has written to.
+Result<void> check_replaceable(const fs::path& folder, const char* marker) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) return {};
+  if (!fs::is_directory(folder, error))
+    return Error{ErrorCode::kUsage,
+                 "output " + folder.string() + " is a file: name a folder, new or made by mixrig"};
+  if (fs::is_empty(folder, error)) return {};
+  if (!fs::exists(folder / marker, error))
+    return Error{ErrorCode::kUsage, "output " + folder.string() + " holds other files (no " +
+                                        marker + "): name a new folder"};
+  if (const fs::path theirs = newer_than(folder, folder / marker); !theirs.empty())
+    return Error{ErrorCode::kUsage, "output " + folder.string() + " holds '" +
+                                        theirs.lexically_relative(folder).string() +
+                                        "', written after its " + marker +
+                                        ": move that file, or name a new folder"};
+  return {};
+}
+
 Result<void> write_bytes(const fs::path& file_path, const fs::path& shown, std::string_view bytes) {
   std::ofstream file(file_path, std::ios::binary);
   if (file_path != shown) take_rights(shown, file_path);  // before it holds anything
@@ -143,17 +178,10 @@ Result<void> PartialPath::commit() {
 Result<PartialPath> make_partial_folder(const fs::path& given, const char* marker) {
   const fs::path folder = with_suffix(given, "");
   if (folder.empty()) return Error{ErrorCode::kUsage, "the output folder has no name: name one"};
-  std::error_code error;
-  if (fs::exists(folder, error)) {
-    if (!fs::is_directory(folder, error))
-      return Error{ErrorCode::kUsage, "output " + folder.string() +
-                                          " is a file: name a folder, new or made by mixrig"};
-    if (!fs::is_empty(folder, error) && !fs::exists(folder / marker, error))
-      return Error{ErrorCode::kUsage, "output " + folder.string() + " holds other files (no " +
-                                          marker + "): name a new folder"};
-  }
+  MIXRIG_TRY(check_replaceable(folder, marker));
   MIXRIG_TRY(set_aside_left(folder));
   PartialPath partial(folder);
+  std::error_code error;
   if (!fs::create_directories(partial.path(), error))
     return system_error(ErrorCode::kIo, "cannot make folder " + partial.path().string(),
                         error.value());

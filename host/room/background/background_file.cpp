@@ -97,16 +97,7 @@ Result<StaticBackground> read_background_manifest(const fs::path& path) {
 }  // namespace
 
 Result<void> save(const StaticBackground& background, const fs::path& folder) {
-  std::error_code error;
-  if (fs::exists(folder, error) && !fs::exists(folder / "background.toml", error) &&
-      !fs::is_empty(folder, error))
-    return Error{ErrorCode::kUsage,
-                 "'" + folder.string() + "' exists and is not a background: give another folder"};
-  PartialPath partial(folder);
-  fs::create_directories(partial.path(), error);
-  if (error)
-    return system_error(ErrorCode::kIo, "cannot make folder '" + partial.path().string() + "'",
-                        error.value());
+  MIXRIG_ASSIGN(PartialPath partial, make_partial_folder(folder, "background.toml"));
   MIXRIG_TRY(write_layers(background, partial.path()));
   MIXRIG_TRY(write_previews(background, partial.path()));
   MIXRIG_TRY(write_file(partial.path() / "background.toml", manifest_text(background)));

@@ -288,6 +288,9 @@ Result<void> save_room(const RoomScan& scan, const fs::path& calibration, const 
                                    report::error_picture(scan.off_mm, kLargestShown_mm, "mm")));
   MIXRIG_TRY(mesh.get());
   MIXRIG_TRY(pictures);
+  // A folder is replaced where nothing in it is newer than its manifest.
+  std::error_code ignored;
+  fs::last_write_time(partial.path() / "manifest.toml", fs::file_time_type::clock::now(), ignored);
   return partial.commit();
 }
 

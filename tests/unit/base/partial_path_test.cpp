@@ -46,13 +46,28 @@ TEST_F(PartialPathTest, LeavesNothingWhenDropped) {
 
 TEST_F(PartialPathTest, ReplacesItsOwnFolder) {
   fs::create_directory(root_ / "out");
-  touch(root_ / "out" / "report.json");
   touch(root_ / "out" / "stale");
+  touch(root_ / "out" / "report.json");
   auto folder = make_partial_folder((root_ / "out").string() + "/", "report.json");
   ASSERT_TRUE(folder);
   ASSERT_TRUE(folder->commit());
   EXPECT_TRUE(fs::is_empty(root_ / "out"));
   EXPECT_FALSE(fs::exists(root_ / "out.replaced"));
+}
+
+TEST_F(PartialPathTest, KeepsWhatSomebodyAddedToItsFolder) {
+  fs::create_directories(root_ / "out" / "matte");
+  touch(root_ / "out" / "report.json");
+  touch(root_ / "out" / "matte" / "notes.txt");
+  const fs::path notes = root_ / "out" / "matte" / "notes.txt";
+  fs::last_write_time(
+      notes, fs::last_write_time(root_ / "out" / "report.json") + std::chrono::milliseconds(20));
+  const auto folder = make_partial_folder(root_ / "out", "report.json");
+  ASSERT_FALSE(folder);
+  EXPECT_EQ(folder.error().code, ErrorCode::kUsage);
+  EXPECT_NE(folder.error().context.find("'matte/notes.txt'"), std::string::npos)
+      << folder.error().context;
+  EXPECT_TRUE(fs::exists(notes));
 }
 
 TEST_F(PartialPathTest, AFileKeepsItsRights) {
