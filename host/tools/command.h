@@ -2,8 +2,10 @@
 // Shared by all subcommands of `mixrig`: one file and one add_*_command per subcommand.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <string>
+#include <thread>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -23,12 +25,17 @@ struct Context {
   Result<void> found;
 };
 
+/// Adds to a report what main's last line says: the file or folder `out` that was written, and
+/// `next`, the command that is worth running next; either may be empty.
+nlohmann::json with_end(nlohmann::json report, const std::string& out, const std::string& next);
+
 /// Adds every subcommand of this build and of its extras (commands.cpp).
 void add_commands(Command app, Context& context);
 
 /// Adds the hidden `mixrig help-pages DIR`: man pages, shell completions and
 /// docs/reference/commands.md.
 void add_help_pages_command(Command app, Context& context);
+void add_new_command(Command app, Context& context);
 void add_run_command(Command app, Context& context);
 void add_explain_command(Command app, Context& context);
 void add_info_command(Command app, Context& context);
@@ -54,18 +61,22 @@ void add_calibrate_rig_command(Command app, Context& context);
 void add_calibrate_views_command(Command app, Context& context);
 void add_calibrate_ptu_command(Command app, Context& context);
 
-/// A progress bar on stderr, shown only when stderr is a terminal.
+/// A progress bar with rate and time left on stderr, where that is a terminal. Elsewhere it writes
+/// plain lines: the first half a second after the first bar began, then one in ten seconds.
 class Progress {
  public:
-  Progress(std::string what, int total);
+  /// `waits_for_step`: no line before the first step.
+  Progress(std::string what, int total, bool waits_for_step = false);
   ~Progress();  ///< clears the bar
-  /// Sets the steps done. `seconds_left` is shown where it is above 0.
+  /// Sets the steps done. `seconds_left` above 0 is shown in place of that of the rate.
   void step(int done, double seconds_left = 0);
 
  private:
   std::string what_;
   int total_;
   bool shown_;
+  std::chrono::steady_clock::time_point start_;
+  std::jthread first_line_;
 };
 
 }  // namespace mixrig::tools

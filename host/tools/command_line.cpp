@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/tools/command_line.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <utility>
 
 #include <CLI/CLI.hpp>
+
+#include "host/math/config/nearest.h"
 
 namespace mixrig::tools {
 namespace {
@@ -86,17 +89,50 @@ CommandText text_of(const CLI::App& app) {
   return text;
 }
 
+std::vector<std::string> names_of_options(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options({}))
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& known) {
+  const auto meant = config::nearest(word, known);
+  return meant ? " (did you mean " + *meant + "?)" : "";
+}
+
+/// What is wrong with the arguments of a command that has no subcommand left to choose.
+std::string wrong_argument(const CLI::App& command, const std::vector<std::string>& rest,
+                           const CLI::ParseError& error) {
+  if (error.get_exit_code() != static_cast<int>(CLI::ExitCodes::ExtrasError)) return error.what();
+  const auto is_option = [](const std::string& word) { return word.starts_with("-"); };
+  const auto option = std::ranges::find_if(rest, is_option);
+  if (option != rest.end()) {
+    const std::string name = option->substr(0, option->find('='));
+    return name + " is no option" + did_you_mean(name, names_of_options(command));
+  }
+  return rest.empty() ? error.what() : "'" + rest.front() + "' is one argument too many";
+}
+
 std::string usage_line(const CLI::App& app, const CLI::ParseError& error) {
-  const auto chosen = app.get_subcommands();
-  if (!chosen.empty())
-    return chosen.front()->get_name() + ": " + error.what() + ": see mixrig " +
-           chosen.front()->get_name() + " --help";
-  std::string known;
-  for (const CLI::App* command : app.get_subcommands({}))
-    if (!is_hidden(*command)) known += " " + command->get_name();
-  const auto rest = app.remaining();
-  return (rest.empty() ? std::string("no command given") : "unknown command " + rest.front()) +
-         ": use one of" + known;
+  const CLI::App* chosen = &app;
+  std::string name;
+  while (!chosen->get_subcommands().empty()) {
+    chosen = chosen->get_subcommands().front();
+    name += (name.empty() ? "" : " ") + chosen->get_name();
+  }
+  std::vector<std::string> known;
+  for (const CLI::App* command : chosen->get_subcommands({}))
+    if (!is_hidden(*command)) known.push_back(command->get_name());
+  const auto rest = app.remaining(true);
+  if (known.empty())
+    return name + ": " + wrong_argument(*chosen, rest, error) + ": see mixrig " + name + " --help";
+  std::string line = name.empty() ? "" : name + ": ";
+  line += rest.empty() ? "no command given"
+                       : "unknown command " + rest.front() + did_you_mean(rest.front(), known);
+  line += ": use one of";
+  for (const std::string& command : known) line += " " + command;
+  return line;
 }
 
 }  // namespace
@@ -169,6 +205,8 @@ std::vector<Command> Command::subcommands() const {
 bool Command::has_option(const std::string& name) const {
   return app_->get_option_no_throw(name) != nullptr;
 }
+
+void Command::heading(const std::string& text) { app_->group(text); }
 
 void Command::hide() { app_->group(""); }
 

@@ -86,6 +86,8 @@ class Command {
   void require_subcommand();
   std::vector<Command> subcommands() const;
   bool has_option(const std::string& name) const;
+  /// The heading of --help under which the command stands.
+  void heading(const std::string& text);
   /// Keeps the command out of --help, of error lines and of text().
   void hide();
   /// Takes options and arguments that it does not have, and leaves them unread.

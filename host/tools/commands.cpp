@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The subcommands in the order of --help.
+#include <map>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -9,9 +10,11 @@
 namespace mixrig::tools {
 namespace {
 
+constexpr const char* kLeftOut = "left out of this build";
+
 /// Adds a hidden command whose error says that this build leaves `name` out.
 [[maybe_unused]] void add_left_out(Command parent, const std::string& name, Context& context) {
-  Command command = parent.add_subcommand(name, "left out of this build");
+  Command command = parent.add_subcommand(name, kLeftOut);
   command.hide();
   command.accept_anything();
   command.callback([&context, name] {
@@ -21,6 +24,35 @@ namespace {
                        "' out: build all of it, as docs/reference/build.md says"};
     };
   });
+}
+
+/// Puts the commands under the headings of --help. A hidden command has none.
+void add_headings(Command app) {
+  const std::map<std::string, std::string> headings{{"run", "Composite"},
+                                                    {"explain", "Composite"},
+                                                    {"place", "Composite"},
+                                                    {"plan", "Composite"},
+                                                    {"scan", "Room, pose and light"},
+                                                    {"track", "Room, pose and light"},
+                                                    {"lights", "Room, pose and light"},
+                                                    {"learn", "Room, pose and light"},
+                                                    {"align", "Room, pose and light"},
+                                                    {"record", "Takes"},
+                                                    {"info", "Takes"},
+                                                    {"new", "Takes"},
+                                                    {"studio", "Takes"},
+                                                    {"rig", "Bench"},
+                                                    {"diag", "Bench"},
+                                                    {"trigger", "Bench"},
+                                                    {"flash", "Bench"},
+                                                    {"calibrate", "Bench"},
+                                                    {"bench", "Bench"}};
+  for (Command command : app.subcommands()) {
+    const CommandText text = command.text();
+    if (const auto heading = headings.find(text.name);
+        heading != headings.end() && text.about != kLeftOut)
+      command.heading(heading->second);
+  }
 }
 
 }  // namespace
@@ -47,10 +79,11 @@ void add_commands(Command app, Context& context) {
 #endif
   add_place_command(app, context);
 #ifdef MIXRIG_EXTRA_STUDIO
+  add_new_command(app, context);
   add_studio_command(app, context);
   add_bench_command(app, context);
 #else
-  for (const char* name : {"studio", "bench"}) add_left_out(app, name, context);
+  for (const char* name : {"new", "studio", "bench"}) add_left_out(app, name, context);
 #endif
 #ifdef MIXRIG_EXTRA_MAP
   add_learn_command(app, context);
@@ -69,6 +102,7 @@ void add_commands(Command app, Context& context) {
     add_left_out(calibrate, name, context);
 #endif
   add_help_pages_command(app, context);
+  add_headings(app);
 }
 
 }  // namespace mixrig::tools

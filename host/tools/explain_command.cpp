@@ -21,7 +21,9 @@ Result<nlohmann::json> explain(const SessionArguments& arguments, int frames) {
   MIXRIG_ASSIGN(const session::Explanation explanation,
                 session::explain(*session, frames, run_extras(), clock, progress_bar()));
   std::fputs(session::to_text(explanation).c_str(), stdout);
-  return session::to_json(explanation);
+  nlohmann::json json = session::to_json(explanation);
+  print_notes(session->scene, json);
+  return json;
 }
 
 }  // namespace

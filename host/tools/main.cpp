@@ -2,9 +2,14 @@
 // The `mixrig` command: parses arguments, runs the subcommand, prints its error as one line.
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <malloc.h>
 #include <nlohmann/json.hpp>
@@ -14,12 +19,14 @@
 #include "hal/base/partial_path.h"
 #include "host/render/cpu/compositor_cpu.h"
 #include "host/tools/command.h"
+#include "host/tools/stop_on_signal.h"
 
 namespace mixrig::tools {
 namespace {
 
 constexpr int kDone = 0, kFailed = 1, kWrongUsage = 2;
 constexpr const char* kStdout = "-";
+constexpr const char *kOutKey = "out", *kNextKey = "next";
 
 /// Adds -v and --json to every subcommand that does not define them itself.
 void add_common_options(Command command, Context& context) {
@@ -30,6 +37,26 @@ void add_common_options(Command command, Context& context) {
                        "FILE that the report is written to; -: stdout, and tables to stderr");
     add_common_options(child, context);
   }
+}
+
+using SteadyClock = std::chrono::steady_clock;
+
+/// The last line of a command that wrote something or took a while. It goes to stdout, after the
+/// tables.
+void print_end(const nlohmann::json& report, SteadyClock::time_point start) {
+  constexpr double kLong_s = 2;
+  const double seconds = std::chrono::duration<double>(SteadyClock::now() - start).count();
+  const auto text = [&](const char* key) {
+    return report.is_object() && report.contains(key) && report[key].is_string()
+               ? report[key].get<std::string>()
+               : std::string();
+  };
+  const std::string out = text(kOutKey), next = text(kNextKey);
+  if (out.empty() && next.empty() && seconds < kLong_s) return;
+  std::string line = StopOnSignal::flag() ? "stopped" : "done";
+  if (!out.empty()) line += StopOnSignal::flag() ? ": kept in " + out : ": wrote " + out;
+  std::printf("%s, %.1f s%s%s\n", line.c_str(), seconds,
+              next.empty() ? "" : "; next: ", next.c_str());
 }
 
 void print_error(std::string line) {
@@ -54,10 +81,21 @@ Result<void> check_json_path(const std::string& path) {
   std::error_code code;
   if (std::filesystem::is_directory(path, code))
     return Error{ErrorCode::kUsage, "--json " + path + ": is a folder: name a file"};
+  if (char first = '{';
+      std::filesystem::is_regular_file(path, code) && (std::ifstream(path) >> first, first != '{'))
+    return Error{ErrorCode::kUsage,
+                 "--json " + path + ": is no report: name another file, that one is kept"};
   const auto folder = std::filesystem::absolute(path).parent_path();
   if (std::filesystem::is_directory(folder, code)) return {};
   return Error{ErrorCode::kUsage,
                "--json " + path + ": there is no folder " + folder.string() + ": make it first"};
+}
+
+Result<nlohmann::json> act_and_end(const Context& context) {
+  const auto start = SteadyClock::now();
+  MIXRIG_ASSIGN(nlohmann::json report, context.action());
+  print_end(report, start);
+  return report;
 }
 
 /// The report alone goes to stdout: what commands print there goes to stderr meanwhile.
@@ -65,7 +103,7 @@ Result<void> act_for_stdout(const Context& context) {
   const int report_fd = ::dup(STDOUT_FILENO);
   if (report_fd < 0 || ::dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
     return system_error(ErrorCode::kIo, "--json -: stdout cannot be written", errno);
-  auto done = context.action();
+  auto done = act_and_end(context);
   std::fflush(stdout);
   ::dup2(report_fd, STDOUT_FILENO), ::close(report_fd);
   if (!done) return done.error();
@@ -78,9 +116,27 @@ Result<void> act_for_stdout(const Context& context) {
 Result<void> act(const Context& context) {
   MIXRIG_TRY(check_json_path(context.json_path));
   if (context.json_path == kStdout) return act_for_stdout(context);
-  MIXRIG_ASSIGN(const nlohmann::json report, context.action());
+  MIXRIG_ASSIGN(const nlohmann::json report, act_and_end(context));
   if (!context.json_path.empty()) MIXRIG_TRY(write_file(context.json_path, report.dump(2) + "\n"));
   return context.found;
+}
+
+/// Whether --json - is among the arguments, which may not be parsed.
+bool wants_json(int argc, char** argv) {
+  const std::vector<std::string_view> words(argv, argv + argc);
+  for (std::size_t i = 0; i < words.size(); ++i)
+    if (words[i] == "--json=-" ||
+        (words[i] == "--json" && i + 1 < words.size() && words[i + 1] == kStdout))
+      return true;
+  return false;
+}
+
+/// Prints the error, with --json - also as {"error": LINE, "exit_status": N} on stdout. Returns the
+/// exit status.
+int fail(const std::string& line, int status, bool as_json) {
+  print_error(line);
+  if (as_json) std::puts(nlohmann::json{{"error", line}, {"exit_status", status}}.dump(2).c_str());
+  return status;
 }
 
 int run(int argc, char** argv) {
@@ -91,15 +147,13 @@ int run(int argc, char** argv) {
   add_common_options(line.root(), context);
   const CommandLine::Parsed parsed = line.parse(argc, argv);
   if (parsed.done) return kDone;
-  if (!parsed.error.empty()) {
-    print_error(parsed.error);
-    return kWrongUsage;
-  }
+  const bool as_json = wants_json(argc, argv);
+  if (!parsed.error.empty()) return fail(parsed.error, kWrongUsage, as_json);
   if (context.verbose) set_log_level(LogLevel::kInfo);
   const auto done = act(context);
   if (done) return kDone;
-  print_error(to_line(done.error()));
-  return exit_status(done.error());
+  // A command that judged has written its report already.
+  return fail(to_line(done.error()), exit_status(done.error()), as_json && context.found);
 }
 
 /// Images keep pages of their own, which go back to the system when they are freed: glibc would
@@ -107,6 +161,13 @@ int run(int argc, char** argv) {
 constexpr int kOwnPagesFromBytes = 1 << 20;
 
 }  // namespace
+
+nlohmann::json with_end(nlohmann::json report, const std::string& out, const std::string& next) {
+  if (!out.empty()) report[kOutKey] = out;
+  if (!next.empty()) report[kNextKey] = next;
+  return report;
+}
+
 }  // namespace mixrig::tools
 
 int main(int argc, char** argv) {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/tools/options.h"
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <memory>
 
+#include "hal/base/log.h"
 #include "host/tools/command.h"
 #include "host/tools/extras.h"
 
@@ -22,14 +24,30 @@ std::optional<std::pair<int, int>> pair_of(const std::string& text, char mark) {
   return out;
 }
 
-/// The given source, else the take in the scene's folder.
+/// Refuses a SCENE that is no file.
+Result<void> check_scene_file(const std::string& scene) {
+  namespace fs = std::filesystem;
+  std::error_code code;
+  if (fs::is_directory(scene, code)) {
+    const fs::path inside = fs::path(scene) / "scene.toml";
+    return Error{ErrorCode::kUsage,
+                 "'" + scene + "' is a folder: name a scene" +
+                     (fs::exists(inside, code) ? ", such as " + inside.string() : ".toml")};
+  }
+  if (fs::exists(scene, code)) return {};
+  return Error{ErrorCode::kNotFound,
+               "there is no scene '" + scene + "': name one, or make one by mixrig new FOLDER"};
+}
+
+/// The given source, a bare folder being a take; else the take in the scene's folder.
 Result<std::string> source_of(const SessionArguments& arguments) {
+  MIXRIG_TRY(check_scene_file(arguments.scene));
   if (!arguments.source.empty()) return arguments.source;
   const auto folder = (std::filesystem::path(".") / arguments.scene).parent_path();
   std::error_code code;
   if (std::filesystem::exists(folder / "take.toml", code)) return "take:" + folder.string();
   return Error{ErrorCode::kUsage, "no --source given and no take.toml beside " + arguments.scene +
-                                      ": give a --source"};
+                                      ": give the take's folder as --source"};
 }
 
 }  // namespace
@@ -50,6 +68,23 @@ Result<Size> parse_size(const std::string& text, const std::string& option) {
     return Error{ErrorCode::kUsage,
                  option + " \"" + text + "\" is not a size: give WIDTHxHEIGHT, 1 to 16384 each"};
   return Size{sides->first, sides->second};
+}
+
+Result<void> check_new_folder(const std::string& out, bool force) {
+  namespace fs = std::filesystem;
+  std::error_code code;
+  if (!fs::is_directory(out, code) || fs::is_empty(out, code)) return {};
+  const bool is_take = fs::exists(fs::path(out) / "take.toml", code);
+  const bool is_ours = is_take || fs::exists(fs::path(out) / "views.toml", code);
+  const auto is_file = [&](const fs::directory_entry& entry) { return !entry.is_directory(code); };
+  const auto files = std::count_if(fs::recursive_directory_iterator(out, code), {}, is_file);
+  const std::string holds =
+      "'" + out + "' holds " + (is_take ? "a take, files: " : "files: ") + std::to_string(files);
+  if (!is_ours) return Error{ErrorCode::kUsage, holds + ": give another folder"};
+  if (!force)
+    return Error{ErrorCode::kUsage, holds + ": give another folder, or --force to replace it"};
+  log_warning("files", holds + "; --force replaces all of it");
+  return {};
 }
 
 void add_backend_options(Command command, SessionArguments& arguments) {
@@ -109,6 +144,18 @@ Result<session::SessionOptions> session_options(const SessionArguments& argument
   return options;
 }
 
+void print_notes(const scene::Scene& scene, nlohmann::json& report) {
+  std::vector<const char*> notes;
+  const bool has_objects = !scene.objects.empty() || scene.set;
+  if (!has_objects) notes.push_back("no [[object]] and no [set]: the composite is the plate");
+  if (!scene.background.learn && !scene.background.model && !scene.capture_volume)
+    notes.push_back("no [background] and no camera.capture_volume: nobody is keyed");
+  if (!scene.objects.empty() && scene.light.lamps.empty() && !scene.light.find_lamps)
+    notes.push_back("no [[light.lamp]]: objects are lit from all sides and cast no shadow");
+  for (const char* note : notes) std::printf("  note: %s: %s\n", scene.path.string().c_str(), note);
+  if (!notes.empty()) report["notes"] = notes;
+}
+
 ProgressFn progress_bar() {
   struct Bar {
     std::string what;
@@ -117,7 +164,7 @@ ProgressFn progress_bar() {
   return [bar = std::make_shared<Bar>()](std::string_view what, int done, int total) {
     if (!bar->progress || bar->what != what) {
       bar->what = what;
-      bar->progress.emplace(bar->what, total);
+      bar->progress.emplace(bar->what, total, true);
     }
     bar->progress->step(done);
     if (done >= total) bar->progress.reset();

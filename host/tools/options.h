@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "hal/base/image.h"
 #include "hal/base/result.h"
 #include "host/run/session/session.h"
@@ -16,6 +18,10 @@ namespace mixrig::tools {
 Result<FrameRange> parse_range(const std::string& text, const std::string& option);
 /// Parses "WxH", 1..16384 a side. Errors: kUsage.
 Result<Size> parse_size(const std::string& text, const std::string& option);
+
+/// Refuses a folder `out` that holds anything; with `force` a warning says what is replaced.
+/// Errors: kUsage.
+Result<void> check_new_folder(const std::string& out, bool force);
 
 /// Arguments of the command line: SCENE, --source, --calibration, --backend, --threads, --size.
 struct SessionArguments {
@@ -31,6 +37,9 @@ session::BackendChoice backend_choice(const SessionArguments& arguments);
 /// Session options from all arguments; the source is the take beside the scene if none was given.
 /// Errors: kUsage.
 Result<session::SessionOptions> session_options(const SessionArguments& arguments);
+
+/// Prints what a scene lacks, one line each, and adds them to the report as "notes".
+void print_notes(const scene::Scene& scene, nlohmann::json& report);
 
 /// Makes a function that shows a progress bar on stderr for each step in turn (Progress).
 ProgressFn progress_bar();

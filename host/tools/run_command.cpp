@@ -120,6 +120,13 @@ Result<session::RunOptions> parse_options(const RunArguments& arguments, const C
   return options;
 }
 
+/// What to look at after a run.
+std::string next_after(const RunArguments& arguments) {
+  if (!arguments.out.empty()) return "look at " + arguments.out + "/contact_sheet.png";
+  if (arguments.page.serves || !arguments.view.empty() || !arguments.stream.empty()) return {};
+  return "give --out FOLDER to keep the composite, or --page to watch it";
+}
+
 Result<nlohmann::json> run(const RunArguments& arguments) {
   MIXRIG_ASSIGN(session::SessionOptions session_arguments, session_options(arguments.session));
   SystemClock clock;
@@ -149,7 +156,8 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   std::fputs(session::to_table(report).c_str(), stdout);
   nlohmann::json json = session::to_json(report);
   if (!arguments.view.empty()) json["viewfinder"] = to_json(shown);
-  return json;
+  print_notes(session->scene, json);
+  return with_end(std::move(json), arguments.out, next_after(arguments));
 }
 
 }  // namespace

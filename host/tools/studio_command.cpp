@@ -44,7 +44,7 @@ struct StudioArguments {
   std::string eye, look_at, object, dim, refocus;
   std::optional<double> pan_deg;
   double zoom = 1, aperture_mm = 0, focus_m = 3;
-  bool fisheye = false, raw = false;
+  bool fisheye = false, raw = false, force = false;
   std::string fisheye_size = "640x512";
   studio::Day day;
 };
@@ -210,7 +210,8 @@ Result<nlohmann::json> render_hand(const StudioArguments& arguments,
                     &StopOnSignal::flag()));
   std::printf("%s: %s, %d frames of a board held at %d places\n", arguments.out.c_str(),
               info.name.c_str(), frames, options.views);
-  return nlohmann::json{{"out", arguments.out}, {"name", info.name}, {"frames", frames}};
+  return with_end({{"name", info.name}, {"frames", frames}}, arguments.out,
+                  "mixrig calibrate views VIEWS --source " + arguments.out + " --board BOARD");
 }
 
 Result<nlohmann::json> render_board(const StudioArguments& arguments) {
@@ -223,7 +224,8 @@ Result<nlohmann::json> render_board(const StudioArguments& arguments) {
                     options, arguments.out, [&](int n) { bar.step(n); }, &StopOnSignal::flag()));
   std::printf("%s: %s, %d views of a %s\n", arguments.out.c_str(), info.name.c_str(), options.views,
               std::string(studio::name(options.board.kind)).c_str());
-  return nlohmann::json{{"out", arguments.out}, {"name", info.name}, {"views", options.views}};
+  return with_end({{"name", info.name}, {"views", options.views}}, arguments.out,
+                  "mixrig calibrate rig " + arguments.out);
 }
 
 Result<nlohmann::json> render(const StudioArguments& arguments) {
@@ -238,11 +240,11 @@ Result<nlohmann::json> render(const StudioArguments& arguments) {
   std::printf("%s: %s, %d frames of %dx%d, the first %d empty\n", arguments.out.c_str(),
               info.name.c_str(), info.frames, info.target.size_px.width, info.target.size_px.height,
               info.empty_frames);
-  return nlohmann::json{{"out", arguments.out},
-                        {"name", info.name},
-                        {"frames", info.frames},
-                        {"empty_frames", info.empty_frames},
-                        {"size", arguments.size}};
+  return with_end({{"name", info.name},
+                   {"frames", info.frames},
+                   {"empty_frames", info.empty_frames},
+                   {"size", arguments.size}},
+                  arguments.out, "mixrig run " + arguments.out + "/scene.toml --out FOLDER");
 }
 
 void add_board_options(Command command, StudioArguments& arguments) {
@@ -415,9 +417,11 @@ void add_studio_command(Command app, Context& context) {
   add_board_options(command, *arguments);
   add_sweep_options(command, *arguments);
   add_day_options(command, *arguments);
+  command.add_flag("--force", arguments->force, "Replace the folder OUT");
   command.callback([arguments, command, &context] {
     context.action = [arguments, command]() -> Result<nlohmann::json> {
       MIXRIG_TRY(check_scenario(command, arguments->scenario));
+      MIXRIG_TRY(check_new_folder(arguments->out, arguments->force));
       return arguments->scenario == kBoardScenario ? render_board(*arguments) : render(*arguments);
     };
   });

@@ -2,6 +2,7 @@
 #include "host/capture/open/open_source.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
 #include "hal/base/log.h"
@@ -18,6 +19,8 @@ Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& u
   const std::string scheme = uri.substr(0, colon);
   const std::string rest = colon == std::string::npos ? "" : uri.substr(colon + 1);
   if (scheme == "take" && !rest.empty()) return take::open_take_source(rest);
+  std::error_code code;
+  if (std::filesystem::is_directory(uri, code)) return take::open_take_source(uri);
   std::string known = "take:DIR, ";
   for (const SourceKind& kind : kinds.sources) {
     if (kind.scheme == scheme)

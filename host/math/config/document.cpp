@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/math/config/document_state.h"
+#include "host/math/config/file_kind.h"
 #include "host/math/config/nearest.h"
 
 namespace mixrig::config {
@@ -58,6 +59,10 @@ Result<Document> Document::parse(std::string_view text, const std::string& name)
 Table Document::root() { return {this, &state_->root, ""}; }
 
 Result<void> Document::finish() const {
+  const auto asked = state_->known.find(&state_->root);
+  if (asked != state_->known.end())
+    if (const std::string kind = other_kind(state_->root.keys, asked->second); !kind.empty())
+      return Error{ErrorCode::kFormat, state_->name + ": " + kind};
   // A misspelt key is reported before the value that is missing because of it.
   if (auto unknown = state_->unknown_key(state_->root, ""))
     return Error{ErrorCode::kFormat, *unknown};

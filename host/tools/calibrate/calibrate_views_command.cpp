@@ -19,6 +19,7 @@ struct ViewsArguments {
   std::string out, rig, source, board, turn;
   int views = 15, frames = 8, turn_views = 20;
   double rest_px = 0.25;
+  bool force = false;
 };
 
 /// All cameras that views have: the first one, the fisheye, the depth camera; the head for its
@@ -57,6 +58,7 @@ Result<nlohmann::json> take_views(const ViewsArguments& given) {
                  "calibrate views: give one of --rig RIG.TOML (cameras now) and --source take:DIR "
                  "(a recording)"};
   MIXRIG_ASSIGN(const CollectArguments arguments, collect_arguments(given));
+  MIXRIG_TRY(check_new_folder(given.out, given.force));
   SystemClock clock;
   const StopOnSignal signals;
   if (!given.turn.empty()) {
@@ -104,6 +106,7 @@ void add_calibrate_views_command(Command app, Context& context) {
   command.add_option("--turn-views", arguments->turn_views, "--turn: angles at which it stops")
       .show_default()
       .range(5, 400);
+  command.add_flag("--force", arguments->force, "replace the views that OUT holds");
   command.callback(
       [&context, arguments] { context.action = [arguments] { return take_views(*arguments); }; });
 }

@@ -140,6 +140,7 @@ Result<nlohmann::json> finish_views(ViewCollector& collector, const CollectArgum
   for (const calibration::Need& need : coverage.needs())
     needs.push_back({{"what", need.what}, {"wanted", need.wanted}, {"have", need.have}});
   return nlohmann::json{{"out", arguments.out.string()},
+                        {"next", "mixrig calibrate rig " + arguments.out.string()},
                         {"views", views},
                         {"shared", coverage.shared()},
                         {"enough", coverage.enough()},

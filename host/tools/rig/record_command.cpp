@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // mixrig record: records live devices into a take.
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 
 #include <nlohmann/json.hpp>
@@ -13,6 +12,7 @@
 #include "host/output/report/rig_json.h"
 #include "host/tools/command.h"
 #include "host/tools/extras.h"
+#include "host/tools/options.h"
 #include "host/tools/stop_on_signal.h"
 
 namespace mixrig::tools {
@@ -26,18 +26,8 @@ struct RecordArguments {
   bool force = false;
 };
 
-/// Refuses to replace a recorded take, since it cannot be made again.
-Result<void> check_out(const RecordArguments& arguments) {
-  std::error_code code;
-  const std::filesystem::path take = std::filesystem::path(arguments.out) / "take.toml";
-  if (arguments.force || !std::filesystem::exists(take, code)) return {};
-  return Error{ErrorCode::kUsage, "'" + arguments.out +
-                                      "' holds a take: give another folder, or --force to "
-                                      "replace it"};
-}
-
 Result<nlohmann::json> record(const RecordArguments& arguments) {
-  MIXRIG_TRY(check_out(arguments));
+  MIXRIG_TRY(check_new_folder(arguments.out, arguments.force));
   MIXRIG_ASSIGN(const live::RigConfig config, live::read_rig(arguments.rig));
   SystemClock clock;
   MIXRIG_ASSIGN(live::Devices devices,
@@ -67,7 +57,7 @@ Result<nlohmann::json> record(const RecordArguments& arguments) {
   json["frames"] = report.frames;
   json["left_out"] = report.left_out;
   json["ended"] = report.ended;
-  return json;
+  return with_end(std::move(json), arguments.out, "mixrig info " + arguments.out);
 }
 
 }  // namespace

@@ -19,6 +19,15 @@ struct RigFileArguments {
   bool force = false, no_network = false;
 };
 
+constexpr const char* kUdevAdvice =
+    "install 70-mixrig.rules of the package or of board/udev in /etc/udev/rules.d, and join the "
+    "groups video, dialout and plugdev";
+
+bool is_empty(const live::RigConfig& config) {
+  return config.cameras.empty() && !config.depth && config.trigger_uri.empty() &&
+         config.pan_tilt_uri.empty();
+}
+
 Result<nlohmann::json> init(const RigFileArguments& arguments) {
   if (std::filesystem::exists(arguments.out) && !arguments.force)
     return Error{ErrorCode::kUsage,
@@ -26,16 +35,25 @@ Result<nlohmann::json> init(const RigFileArguments& arguments) {
   SystemClock clock;
   const live::RigConfig config =
       live::discover({.network = !arguments.no_network}, source_kinds().devices, clock);
+  if (is_empty(config))
+    return Error{ErrorCode::kDevice,
+                 std::string("no device found, so no rig was written; looked for: cameras at "
+                             "/dev/video*, USB depth cameras") +
+                     (arguments.no_network ? "" : ", GigE Vision cameras on the network") +
+                     ", a trigger board and a pan-tilt unit at /dev/ttyACM* and /dev/ttyUSB*; "
+                     "connect one, and see that your user may open it (" +
+                     kUdevAdvice + ")"};
   MIXRIG_TRY(write_file(arguments.out, live::rig_text(config)));
   const int depth = (config.depth ? 1 : 0) + (config.depth2 ? 1 : 0);
   std::printf("%s: %zu cameras, %d depth cameras, %s trigger, %s pan-tilt unit\n",
               arguments.out.c_str(), config.cameras.size(), depth,
               config.trigger_uri.empty() ? "no" : "a", config.pan_tilt_uri.empty() ? "no" : "a");
-  return nlohmann::json{{"cameras", config.cameras.size()},
-                        {"depth", config.depth.has_value()},
-                        {"depth_cameras", depth},
-                        {"trigger", config.trigger_uri},
-                        {"pan_tilt", config.pan_tilt_uri}};
+  return with_end({{"cameras", config.cameras.size()},
+                   {"depth", config.depth.has_value()},
+                   {"depth_cameras", depth},
+                   {"trigger", config.trigger_uri},
+                   {"pan_tilt", config.pan_tilt_uri}},
+                  arguments.out, "mixrig diag --rig " + arguments.out);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 
 struct LearnArguments {
   std::string take, out, calibration, camera = "fisheye";
-  int tracks = 1500, threads = 0;
+  int threads = 0;
 };
 
 void print_learned(const nlohmann::json& report) {
@@ -41,7 +41,7 @@ Result<nlohmann::json> learn(const LearnArguments& arguments) {
   options.calibration = arguments.calibration;
   options.camera = arguments.camera == "target" ? session::TrackedCamera::kTarget
                                                 : session::TrackedCamera::kFisheye;
-  options.tracks = arguments.tracks, options.threads = arguments.threads;
+  options.threads = arguments.threads;
   std::unique_ptr<Progress> bar;
   options.progress = [&bar](int done, int total) {
     if (!bar) bar = std::make_unique<Progress>("pictures", total);
@@ -65,9 +65,6 @@ void add_learn_command(Command app, Context& context) {
       .show_default();
   command.add_option("--calibration", arguments->calibration,
                      "calibration.toml; if not given, the take's");
-  command.add_option("--tracks", arguments->tracks, "places that are followed at a time")
-      .show_default()
-      .range(100, 5000);
   command.add_option("--threads", arguments->threads, "0: one per core").non_negative();
   command.add_option("OUT", arguments->out, "folder of the map").required();
   command.callback(

@@ -15,8 +15,6 @@ Result<nlohmann::json> track_in_map(const MapTrackArguments& arguments) {
   options.map = arguments.map, options.take = arguments.take;
   options.calibration = arguments.calibration, options.threads = arguments.threads;
   options.world_from_room = arguments.world_from_room;
-  options.tracker.align.patches = arguments.patches;
-  options.tracker.align.finest = arguments.finest;
   MIXRIG_ASSIGN(const session::MapTrack track, session::track_map(options));
   const nlohmann::json& json = track.report;
   std::printf("%d pictures, %.1f %% without a pose, %.0f pictures a second\n",

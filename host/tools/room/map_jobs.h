@@ -16,7 +16,7 @@ struct MapTrackArguments {
   std::string map, take, calibration;
   std::string tum;                                ///< file for the poses; empty: none
   std::optional<geometry::Pose> world_from_room;  ///< as session::MapTrackOptions
-  int patches = 300, finest = 0, threads = 0;
+  int threads = 0;
 };
 struct MapAlignArguments {
   std::string map, other, out;  ///< `other`: a second map, or a room

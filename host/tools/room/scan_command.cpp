@@ -37,8 +37,7 @@ struct ScanArguments {
   double overlap = 0.1;
   double modulation_mhz = 0;
   int view_frames = 4, most_views = 0, height_px = 720;
-  bool evaluate = false, no_smooth = false, no_planes = false, no_align = false;
-  bool no_gains = false;
+  bool evaluate = false, no_align = false;
   bool keep_sweep = false, no_bracket = false;
   ScanMergeOptions merge;
 };
@@ -100,9 +99,6 @@ Result<nlohmann::json> model_room(const ScanArguments& arguments, const std::fil
   session::RoomScanOptions options;
   options.take = take, options.calibration = calibration;
   options.evaluate = arguments.evaluate, options.align = !arguments.no_align;
-  options.panorama.smooth = !arguments.no_smooth;
-  options.panorama.straighten = !arguments.no_planes;
-  options.panorama.equalise = !arguments.no_gains;
   options.panorama.height_px = arguments.height_px;
   options.modulation_hz = 1e6 * arguments.modulation_mhz;
   options.threads = arguments.session.threads;
@@ -268,12 +264,6 @@ void add_scan_command(Command app, Context& context) {
   command.add_option("--take", arguments->sweep,
                      "Recorded sweep, or frames with poses: folder or take.toml");
   command.add_flag("--evaluate", arguments->evaluate, "Hold a sweep's room against its truth");
-  command.add_flag("--no-smooth", arguments->no_smooth,
-                   "A sweep: leave the noise of the distances in");
-  command.add_flag("--no-gains", arguments->no_gains,
-                   "A sweep: views keep their brightness and the lens its dark corners");
-  command.add_flag("--no-planes", arguments->no_planes,
-                   "A sweep: leave walls as measured, not straight");
   command.add_flag("--no-align", arguments->no_align,
                    "A sweep: take the angles of the unit as they are");
   command.add_option("--static", arguments->take, "TAKE: folder or take.toml");

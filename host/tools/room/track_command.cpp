@@ -31,7 +31,7 @@ struct TrackArguments {
   double start_m = 1.2, start_deg = 70;
   double smooth_s = 0;
   bool anew = false;
-  int patches = 300, finest = 0, passes = 1, threads = 0;
+  int threads = 0;
   int body = 0;
   std::optional<double> duration_s;
   std::size_t frames = 0;
@@ -166,12 +166,10 @@ Result<nlohmann::json> track_in_room(const TrackArguments& arguments) {
   options.camera = arguments.camera == "target" ? session::TrackedCamera::kTarget
                                                 : session::TrackedCamera::kFisheye;
   MIXRIG_ASSIGN(options.world_from_base, place_of_room(arguments.scene));
-  options.tracker.align.patches = arguments.patches;
-  options.tracker.align.finest = arguments.finest;
   options.tracker.start_radius_m = arguments.start_m;
   options.tracker.start_radius_rad = arguments.start_deg * kDeg;
   options.smooth_s = arguments.smooth_s, options.anew = arguments.anew;
-  options.passes = arguments.passes, options.drawings = arguments.drawings;
+  options.drawings = arguments.drawings;
   options.threads = arguments.threads;
   MIXRIG_ASSIGN(const session::RoomTrack track, session::track_room(options));
   const nlohmann::json json = session::to_json(track);
@@ -191,8 +189,6 @@ Result<nlohmann::json> track_by_map(const TrackArguments& arguments, const MapJo
                           .calibration = arguments.calibration,
                           .tum = arguments.tum,
                           .world_from_room = {},
-                          .patches = arguments.patches,
-                          .finest = arguments.finest,
                           .threads = arguments.threads};
   MIXRIG_ASSIGN(given.world_from_room, place_of_room(arguments.scene));
   return jobs.track(given);
@@ -255,14 +251,6 @@ void add_track_command(Command app, Context& context) {
   command.add_option("--scene", arguments->scene,
                      "--model, --map of a room: scene.toml that says where the room stands; else "
                      "poses are in its own axes where its folder does not say");
-  command.add_option("--patches", arguments->patches, "--model, --map: of a picture")
-      .show_default()
-      .range(20, 5000);
-  command
-      .add_option("--finest", arguments->finest,
-                  "--model, --map: pictures are aligned down to 1/2^N of their size")
-      .show_default()
-      .range(0, 3);
   command
       .add_option("--start-m", arguments->start_m,
                   "--model: the first pose is looked for so far from the place of the scan")
@@ -283,11 +271,6 @@ void add_track_command(Command app, Context& context) {
                   "0: none")
       .show_default()
       .range(0.0, 1.0);
-  command
-      .add_option("--passes", arguments->passes,
-                  "--model: the take is played so often, to and fro: does the error grow?")
-      .show_default()
-      .range(1, 10000);
   command.add_option("--draw", arguments->drawings,
                      "--model: folder for the pictures with their patches, green where they count");
   command.add_option("--threads", arguments->threads, "--model, --map: 0: one per core")

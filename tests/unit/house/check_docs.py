@@ -111,17 +111,11 @@ class Help:
         if path not in self.known:
             done = subprocess.run([self.program, *path, "--help"], capture_output=True, text=True, timeout=300)
             text = done.stdout + done.stderr
-            after = text.partition("\nSubcommands:\n")[2]
             usage = re.search(r"^Usage: \S+ ?(.*)$", text, re.MULTILINE)
             if path and not (usage and usage.group(1).startswith(" ".join(path))):  # another command's help
                 return set(), None
-            commands = set()
-            for line in after.splitlines():
-                match = re.match(r"^  ([a-z][\w-]*)(?:\s|$)", line)
-                if match:
-                    commands.add(match.group(1))
-                elif line and not line.startswith(" "):
-                    break
+            # Commands stand under several headings; positional arguments are in capitals.
+            commands = set(re.findall(r"^  ([a-z][\w-]*)(?:\s|$)", text, re.MULTILINE))
             options = set()
             for line in text.splitlines():
                 match = re.match(r"^  (-[\w,-]+)", line)

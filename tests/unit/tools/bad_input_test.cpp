@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bad input to the real command: one error line, the right exit status, no files left.
+#include <chrono>
 #include <functional>
 
 #include <gtest/gtest.h>
@@ -38,6 +39,48 @@ Spoil theirs(const std::string& folder) {
   return [=](const TinyTake& t) {
     fs::create_directory(t.path(folder));
     t.text(folder + "/thesis.tex", "mine");
+  };
+}
+
+/// The folder of an earlier run, to which somebody has added a file.
+void notes_in_out(const TinyTake& t) {
+  fs::create_directory(t.path("out"));
+  t.text("out/report.json", "{}");
+  t.text("out/notes.txt", "mine");
+  fs::last_write_time(t.path("out/report.json"),
+                      fs::last_write_time(t.path("out/notes.txt")) - std::chrono::seconds(1));
+}
+
+/// Wrong words, and names of what must be kept.
+std::vector<Row> rows_of_words() {
+  const std::string run = kRun;
+  return {
+      {"TakeAsScene", "run take/take.toml --source take", 2, {"of a take", "of a scene"}},
+      {"FolderAsScene", "run take", 2, {"'take' is a folder", "scene"}},
+      {"NoSuchScene", "run no.toml", 2, {"no scene 'no.toml'", "mixrig new"}},
+      {"SceneAsRig", "diag --rig scene.toml", 2, {"of a scene", "of a rig"}},
+      {"TakeAsRig", "record out --rig take/take.toml", 2, {"of a take", "of a rig"}},
+      {"TakeAsCalibration",
+       run + " --calibration take/take.toml",
+       2,
+       {"of a take", "of a calibration"}},
+      {"SceneAsTake", "info scene.toml", 2, {"of a scene", "of a take"}},
+      {"FolderWithoutTake", "run scene.toml --source theirs", 2, {"take.toml"}, theirs("theirs")},
+      {"MisspeltOption", run + " --bakend cpu", 2, {"--bakend", "did you mean --backend"}},
+      {"OptionOfNothing", run + " --zzzzzzzzzz", 2, {"--zzzzzzzzzz is no option", "--help"}},
+      {"MisspeltCommand", "rum scene.toml", 2, {"rum", "did you mean run", "explain"}},
+      {"MisspeltSubcommand", "calibrate extrenal", 2, {"calibrate", "did you mean external"}},
+      {"NoSubcommand", "rig", 2, {"rig", "init"}},
+      {"OneArgumentTooMany", run + " take", 2, {"'take' is one argument too many"}},
+      {"JsonOverAScene", run + " --json scene.toml", 2, {"scene.toml", "no report"}},
+      {"OutWithNotes", run, 2, {"out", "'notes.txt'", "report.json"}, notes_in_out},
+      {"ScanOverNotes",
+       "scan --static take --frames 1-3 theirs",
+       2,
+       {"theirs", "background.toml"},
+       theirs("theirs")},
+      {"ForceOverOthers", "record theirs --force", 2, {"'theirs'", "another"}, theirs("theirs")},
+      {"SourceOfNothing", "run scene.toml --source no", 2, {"\"no\"", "take:DIR"}},
   };
 }
 
@@ -93,6 +136,8 @@ std::vector<Row> rows_of_extras() {
         {"studio out --scenario board --overlap 0.3", {"--overlap", "--scenario sweep"}},
         {"studio out --zoom inf", {"inf", "finite"}},
         {"studio out --refocus 6", {"'6'", "SECONDS,METRES"}},
+        {"studio take", {"'take'", "a take", "--force"}},
+        {"new take", {"'take'", "a take", "--force"}},
         {"studio out --refocus 6,0.01", {"0.1 to 100 m"}},
         {"studio out --plain --refocus 6,1", {"\"defocus\""}},
         {"run scene.toml --out out --source studio:wolk", {"wolk"}},
@@ -241,6 +286,7 @@ std::vector<Row> rows() {
   };
   all.push_back({"AbsentEgl", no_out + "take:take --out out --backend gles", 1, {"EGL"}});
   all.back().environment = "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent";
+  for (Row& row : rows_of_words()) all.push_back(std::move(row));
   for (Row& row : rows_of_extras()) all.push_back(std::move(row));
   return all;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command line: help, version, unknown words, and a run that succeeds.
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/unit/tools/tiny_take.h"
 
@@ -50,7 +51,42 @@ TEST(CommandLine, RunWritesItsFolderAndReportAndIsSilentOnStderr) {
   }
   for (const char* name : {"out/report.json", "out/contact_sheet.png", "out/composite/take.toml"})
     EXPECT_TRUE(fs::exists(take.path(name))) << name;
-  EXPECT_EQ(take.text_of("report.json"), take.text_of("out/report.json"));
+  auto told = nlohmann::json::parse(take.text_of("report.json"));
+  EXPECT_EQ(told["out"], "out");
+  for (const char* key : {"out", "next", "notes"}) told.erase(key);
+  EXPECT_EQ(told, nlohmann::json::parse(take.text_of("out/report.json")));
+}
+
+TEST(CommandLine, TheLastLineSaysWhatWasWrittenAndWhatIsNext) {
+  const TinyTake take;
+  const Outcome run = take.mixrig("run scene.toml --source take --out out --backend cpu");
+  EXPECT_EQ(run.status, 0) << run.err;
+  const std::size_t last = run.out.rfind('\n', run.out.size() - 2) + 1;
+  const std::string line = run.out.substr(last);
+  EXPECT_EQ(line.rfind("done: wrote out, ", 0), 0U) << line;
+  EXPECT_NE(line.find("next: look at out/contact_sheet.png"), std::string::npos) << line;
+  EXPECT_NE(run.out.find("note: scene.toml: no [[object]]"), std::string::npos) << run.out;
+}
+
+TEST(CommandLine, AnErrorIsJsonWhereTheReportWouldBe) {
+  const TinyTake take;
+  for (const char* words : {"info no --json -", "run --json=- --sorce x"}) {
+    const Outcome outcome = take.mixrig(words);
+    const auto json = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(json["exit_status"], outcome.status);
+    EXPECT_EQ("mixrig: " + json["error"].get<std::string>() + "\n", outcome.err);
+  }
+}
+
+TEST(CommandLine, RigInitWithoutDevicesWritesNothing) {
+  for (const char* device : {"/dev/video0", "/dev/ttyACM0", "/dev/ttyUSB0", "/dev/bus/usb"})
+    if (fs::exists(device)) GTEST_SKIP() << "this machine has " << device;
+  const TinyTake take;
+  const Outcome outcome = take.mixrig("rig init --no-network");
+  EXPECT_EQ(outcome.status, 1);
+  for (const char* word : {"looked for", "/dev/video", "/dev/ttyACM", "70-mixrig.rules"})
+    EXPECT_NE(outcome.err.find(word), std::string::npos) << outcome.err;
+  EXPECT_FALSE(fs::exists(take.path("rig.toml")));
 }
 
 TEST(CommandLine, ScanGivesABackgroundThatRunTakes) {

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/math/config/file_kind.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace mixrig::config {
+
+namespace {
+
+struct Kind {
+  std::string_view key, name;
+};
+// The key of a kind is one that no other kind has.
+constexpr std::array kKinds{Kind{"color", "a take"},          Kind{"trigger", "a rig"},
+                            Kind{"cameras", "a calibration"}, Kind{"background", "a scene"},
+                            Kind{"object", "a scene"},        Kind{"projection", "a room"}};
+
+/// The name of the first kind with a key for which `has` is true; empty: none.
+template <typename Has>
+std::string_view kind_with(Has has) {
+  const auto found = std::ranges::find_if(kKinds, has, &Kind::key);
+  return found == kKinds.end() ? std::string_view() : found->name;
+}
+
+}  // namespace
+
+std::string other_kind(std::span<const std::string> keys,
+                       const std::set<std::string, std::less<>>& asked) {
+  const auto is_there = [&](std::string_view key) {
+    return std::ranges::find(keys, key) != keys.end() && !asked.contains(key);
+  };
+  const std::string_view is = kind_with(is_there);
+  const std::string_view wanted =
+      kind_with([&](std::string_view key) { return asked.contains(key); });
+  if (is.empty() || wanted.empty() || is == wanted) return {};
+  return "this is the file of " + std::string(is) + ": name that of " + std::string(wanted);
+}
+
+}  // namespace mixrig::config

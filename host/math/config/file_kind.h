@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Kinds of TOML files by the keys that only they have.
+#pragma once
+
+#include <set>
+#include <span>
+#include <string>
+
+namespace mixrig::config {
+
+/// Returns "this is the file of a take: name that of a scene" where the keys at the top of a file
+/// are of another kind than that of a reader who asked for the keys `asked`. Returns an empty text
+/// where the kinds agree or one is not known. Kinds are takes, rigs, calibrations, scenes and
+/// rooms. Pure.
+std::string other_kind(std::span<const std::string> keys,
+                       const std::set<std::string, std::less<>>& asked);
+
+}  // namespace mixrig::config
