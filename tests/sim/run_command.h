@@ -15,6 +15,7 @@
 
 #include "tests/support/child_process.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/without_progress.h"
 
 namespace mixrig::test {
 
@@ -34,7 +35,7 @@ inline Outcome run_mixrig(std::vector<std::string> arguments) {
   Outcome outcome;
   outcome.status = child.wait();
   outcome.out = read_bytes(folder / "out");
-  outcome.err = read_bytes(folder / "err");
+  outcome.err = without_progress(read_bytes(folder / "err"));
   return outcome;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // mixrig record: records live devices into a take.
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -38,10 +39,10 @@ Result<nlohmann::json> record(const RecordArguments& arguments) {
   options.least_free_bytes = static_cast<std::uint64_t>(arguments.keep_free_mb * 1048576.0);
   options.format =
       arguments.format == "png" ? take::StreamFormat::kPng : take::StreamFormat::kMatroska;
-  Progress progress("recording", 1000);
+  Progress progress("recording, seconds", static_cast<int>(std::ceil(arguments.duration_s)));
   HostTime notified{};
   options.progress = [&](double share) {
-    progress.step(static_cast<int>(share * 1000));
+    progress.step(static_cast<int>(share * arguments.duration_s));
     if (clock.now() - notified < kNotifyEvery) return;
     notified = clock.now();
     device::notify_service("READY=1\nWATCHDOG=1");  // only while frames come

@@ -13,6 +13,7 @@
 #include <sys/wait.h>
 
 #include "host/math/image_io/image_io.h"
+#include "tests/support/without_progress.h"
 
 namespace mixrig::test {
 namespace fs = std::filesystem;
@@ -83,7 +84,8 @@ class TinyTake {
                              MIXRIG_COMMAND + " " + words + " >" + out.string() + " 2>" +
                              err.string() + " </dev/null";
     const int raw = std::system(line.c_str());
-    Outcome outcome{WIFEXITED(raw) ? WEXITSTATUS(raw) : -1, slurp(out), slurp(err)};
+    Outcome outcome{WIFEXITED(raw) ? WEXITSTATUS(raw) : -1, slurp(out),
+                    without_progress(slurp(err))};
     fs::remove(out);
     fs::remove(err);
     return outcome;
