@@ -24,14 +24,14 @@ layout(binding = 8) uniform sampler2D light;
 uniform bool has_learned, has_sigma, is_still;
 out float vote;
 
-// Log odds of a colour of people, without constants: normal about the mean m, with the covariance
-// v*I + s^2*m*m^T of its variance v and s = people_shade; by the formula of Sherman and Morrison.
+// Log odds of a colour of people, without constants: distances are those of the covariance
+// v*I + s^2*m*m^T of variance v, mean m and s = people_shade (Sherman and Morrison), its
+// determinant that of v*I.
 float odds_of(vec3 p, vec4 color) {
   vec3 off = p - color.rgb;
-  float shade = people_shade * people_shade * dot(color.rgb, color.rgb) / color.a;
   float by_light = people_shade * dot(off, color.rgb);
-  float square = (dot(off, off) - by_light * by_light / (color.a * (1.0 + shade))) / color.a;
-  return -0.5 * square - spread_odds * log(color.a) - 0.5 * log(1.0 + shade);
+  float along = color.a + people_shade * people_shade * dot(color.rgb, color.rgb);
+  return -0.5 * (dot(off, off) - by_light * by_light / along) / color.a - spread_odds * log(color.a);
 }
 
 // Squared distance of a colour to the room's light now, over its variance, that variance, and

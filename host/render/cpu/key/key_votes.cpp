@@ -69,15 +69,17 @@ FloatLanes square_to(const ColorLanes& p, const NearColor& c) {
   return dot(d, d) / c.variance;
 }
 
-/// A colour of people: normal about the mean, with the covariance v*I + s^2*m*m^T of variance v,
-/// mean m and s = kPeopleShade; by the formula of Sherman and Morrison.
+/// A colour of people, whose brightness varies: distances are those of the covariance
+/// v*I + s^2*m*m^T of variance v, mean m and s = kPeopleShade, by the formula of Sherman and
+/// Morrison. Its determinant is that of v*I, so that a person in the room's colour is as likely as
+/// the room.
 struct ShadedColor {
-  explicit ShadedColor(const NearColor& c) : mean(c.mean), over(1 / c.variance) {
-    constexpr float kShade2 = kPeopleShade * kPeopleShade;
-    const float light2 = glm::dot(mean, mean);
-    along = kShade2 / (c.variance + kShade2 * light2);
-    log_spread = kSpreadOdds * std::log(c.variance) + 0.5F * std::log(1 + over * kShade2 * light2);
-  }
+  explicit ShadedColor(const NearColor& c)
+      : mean(c.mean),
+        over(1 / c.variance),
+        along(kPeopleShade * kPeopleShade /
+              (c.variance + kPeopleShade * kPeopleShade * glm::dot(mean, mean))),
+        log_spread(kSpreadOdds * std::log(c.variance)) {}
   glm::vec3 mean;
   float over, along, log_spread;
   /// Log odds of a plate's colour, without constants.
