@@ -10,6 +10,7 @@
 
 #include <unistd.h>
 
+#include "hal/base/guarded.h"
 #include "host/tools/command.h"
 
 namespace mixrig::tools {
@@ -56,6 +57,17 @@ Lines& lines() {
   return shared;
 }
 
+/// Waits until a first line is due, or until it shall stop.
+void show_first_line(const std::string& what, int steps, const std::stop_token& stop) {
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  std::condition_variable_any ended;
+  ended.wait_for(lock, stop, std::chrono::duration<double>(1.2 * kFirstLineAfter_s),
+                 [] { return false; });
+  if (!stop.stop_requested() && lines().is_due())
+    std::fprintf(stderr, "%s 0/%d\n", what.c_str(), steps);
+}
+
 }  // namespace
 
 Progress::Progress(std::string what, int total, bool waits_for_step)
@@ -67,13 +79,7 @@ Progress::Progress(std::string what, int total, bool waits_for_step)
   if (shown_ || waits_for_step) return;
   // The first step may take long.
   first_line_ = std::jthread([what = what_, steps = total_](const std::stop_token& stop) {
-    std::mutex mutex;
-    std::unique_lock lock(mutex);
-    std::condition_variable_any ended;
-    ended.wait_for(lock, stop, std::chrono::duration<double>(1.2 * kFirstLineAfter_s),
-                   [] { return false; });
-    if (!stop.stop_requested() && lines().is_due())
-      std::fprintf(stderr, "%s 0/%d\n", what.c_str(), steps);
+    (void)guarded("progress", [&] { show_first_line(what, steps, stop); });
   });
 }
 
