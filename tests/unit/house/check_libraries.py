@@ -20,7 +20,7 @@ def main():
     program, notice, sources = sys.argv[1], pathlib.Path(sys.argv[2]).read_text(), pathlib.Path(sys.argv[3])
     needed = re.findall(r"\(NEEDED\).*\[(.*?)\.so", subprocess.run(["readelf", "-d", program], check=True, text=True,
                                                                   stdout=subprocess.PIPE).stdout)
-    linked = {name for name in needed if not name.startswith("ld-linux")}
+    linked = {name for name in needed if not name.startswith(("ld-linux", "libasan", "libubsan", "libtsan"))}
     loaded = {name for file in sources.rglob("*.cpp") for name in re.findall(r"gstreamer1\.0-[a-z-]*[a-z]", file.read_text())}
     faults = []
     for head, used in (("linked", linked), ("loaded", loaded)):

@@ -124,11 +124,11 @@ TEST(BackgroundFile, DamageIsToldInOneLine) {
   ASSERT_TRUE(image_io::write_exr(folder / "b/depth.exr", {{"Y", Image<float>(Size{7, 5})}}));
   EXPECT_NE(load_static_background(folder / "b").error().context.find("no channel Z"),
             std::string::npos);
-  ASSERT_TRUE(save(made(), folder / "b"));
-  std::string text = test::read_bytes(folder / "b/background.toml");
+  ASSERT_TRUE(save(made(), folder / "c"));
+  std::string text = test::read_bytes(folder / "c/background.toml");
   text.replace(text.rfind("offset_m"), 8, "offset_n");
-  folder.write("b/background.toml", text);
-  EXPECT_NE(load_static_background(folder / "b").error().context.find("did you mean \"offset_m\"?"),
+  folder.write("c/background.toml", text);
+  EXPECT_NE(load_static_background(folder / "c").error().context.find("did you mean \"offset_m\"?"),
             std::string::npos);
 }
 
