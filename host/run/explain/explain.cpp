@@ -159,11 +159,13 @@ void add(std::vector<BufferLine>& lines, const char* name, const Image<T>& image
 }
 
 std::vector<BufferLine> buffers_of(const Session& session, const render::Tables& tables,
-                                   const render::FrameParams& frame) {
+                                   const render::FrameParams& frame, bool by_gpu) {
   std::vector<BufferLine> lines;
   add(lines, "rays of the ToF camera", tables.tof_ray);
-  add(lines, "plate map", tables.plate_px);
-  add(lines, "plate gain", tables.plate_gain);
+  if (!by_gpu) {  // a GPU computes the lens for each pixel
+    add(lines, "plate map", tables.plate_px);
+    add(lines, "plate gain", tables.plate_gain);
+  }
   add(lines, "key limit", tables.key_limit_w);
   add(lines, "key limit of reflections", tables.hole_behind_w);
   add(lines, "background as light falls on it", tables.light_depth_m);
@@ -234,7 +236,7 @@ Result<Explanation> explain(Session& session, int frames, RunExtras extras, cons
   for (const auto& extra : report.extras)
     for (PassLine& line : extra->passes()) out.passes.push_back(std::move(line));
   out.shadow_maps = maps_of(session, preparer.params());
-  out.buffers = buffers_of(session, tables, preparer.params());
+  out.buffers = buffers_of(session, tables, preparer.params(), out.backend == "gles");
   return out;
 }
 
