@@ -208,6 +208,7 @@ Result<void> McuTrigger::start() {
   MIXRIG_TRY(ask(protocol::Stop{}));
   MIXRIG_TRY(ask(protocol::Arm{}));
   ticks_.clear();  // reports of the previous run may have arrived after the answer to Stop
+  tick_line_ = {};
   MIXRIG_TRY(ask(protocol::Start{}));
   return {};
 }

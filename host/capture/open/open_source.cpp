@@ -19,8 +19,6 @@ Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& u
   const std::string scheme = uri.substr(0, colon);
   const std::string rest = colon == std::string::npos ? "" : uri.substr(colon + 1);
   if (scheme == "take" && !rest.empty()) return take::open_take_source(rest);
-  std::error_code code;
-  if (std::filesystem::is_directory(uri, code)) return take::open_take_source(uri);
   std::string known = "take:DIR, ";
   for (const SourceKind& kind : kinds.sources) {
     if (kind.scheme == scheme)
@@ -28,6 +26,8 @@ Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& u
                                   : live::extra_left_out("--source " + uri, kind.scheme);
     if (kind.open != nullptr) known += std::string(kind.uri) + ", ";
   }
+  std::error_code code;
+  if (std::filesystem::is_directory(uri, code)) return take::open_take_source(uri);
   return Error{ErrorCode::kUsage,
                "--source \"" + uri + "\" is not a source: use " + known + "or rig[:RIG.TOML]"};
 }

@@ -29,11 +29,12 @@ std::string_view kind_with(Has has) {
 std::string other_kind(std::span<const std::string> keys,
                        const std::set<std::string, std::less<>>& asked) {
   const auto is_there = [&](std::string_view key) {
-    return std::ranges::find(keys, key) != keys.end() && !asked.contains(key);
+    return std::ranges::find(keys, key) != keys.end();
   };
-  const std::string_view is = kind_with(is_there);
-  const std::string_view wanted =
-      kind_with([&](std::string_view key) { return asked.contains(key); });
+  const auto is_wanted = [&](std::string_view key) { return asked.contains(key); };
+  const auto is_both = [&](std::string_view key) { return is_there(key) && is_wanted(key); };
+  if (!kind_with(is_both).empty()) return {};
+  const std::string_view is = kind_with(is_there), wanted = kind_with(is_wanted);
   if (is.empty() || wanted.empty() || is == wanted) return {};
   return "this is the file of " + std::string(is) + ": name that of " + std::string(wanted);
 }

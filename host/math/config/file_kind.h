@@ -10,8 +10,8 @@ namespace mixrig::config {
 
 /// Returns "this is the file of a take: name that of a scene" where the keys at the top of a file
 /// are of another kind than that of a reader who asked for the keys `asked`. Returns an empty text
-/// where the kinds agree or one is not known. Kinds are takes, rigs, calibrations, scenes and
-/// rooms. Pure.
+/// where the kinds agree, one is not known, or the file also has a key of the reader's kind. Kinds
+/// are takes, rigs, calibrations, scenes and rooms. Pure.
 std::string other_kind(std::span<const std::string> keys,
                        const std::set<std::string, std::less<>>& asked);
 

@@ -17,6 +17,8 @@ TEST(FileKind, AFileOfAnotherKindIsNamedAndOneOfThisKindIsNot) {
   EXPECT_EQ(other_kind(of_take, take), "");
   EXPECT_EQ(other_kind(of_scene, scene), "");
   EXPECT_EQ(other_kind(of_take, other), "") << "a kind that is not known";
+  EXPECT_EQ(other_kind(std::vector<std::string>{"cameras", "background"}, scene), "")
+      << "a misspelt key in the right file";
   EXPECT_EQ(other_kind(std::vector<std::string>{"treshold"}, scene), "");
 }
 

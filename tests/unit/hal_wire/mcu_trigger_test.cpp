@@ -53,6 +53,19 @@ struct Trigger : ::testing::Test {
   }
 };
 
+TEST_F(Trigger, ticks_begin_again_with_a_start_after_655_s) {
+  ASSERT_TRUE(trigger->configure(0, {1, milliseconds(0), milliseconds(1)}));
+  ASSERT_TRUE(trigger->start());
+  const auto before = listen(seconds(655));
+  ASSERT_FALSE(before.empty());
+  EXPECT_GT(before.back().tick, 65'000U) << "a counter of 16 bits would wrap here";
+  ASSERT_TRUE(trigger->stop());
+  ASSERT_TRUE(trigger->start());
+  const auto after = listen(milliseconds(200));
+  ASSERT_FALSE(after.empty());
+  EXPECT_LT(after.front().tick, 100U);
+}
+
 TEST_F(Trigger, channel_reads_back) {
   ASSERT_TRUE(trigger->configure(5, {4, milliseconds(2), std::chrono::microseconds(700), true}));
   const auto got = trigger->channel(5);

@@ -88,6 +88,20 @@ TEST(OpenRecordings, ARecordingThatCannotBeOpenedHoldsItsError) {
   EXPECT_FALSE(recordings[0].source);
 }
 
+TEST(OpenSource, ABareFolderIsATakeWhereNoKindOfSourceHasItsName) {
+  const test::TemporaryFolder folder;
+  const std::string uri = folder.path().string();
+  const auto as_take = open_source(uri);
+  ASSERT_FALSE(as_take);
+  EXPECT_NE(as_take.error().context.find("take.toml"), std::string::npos);
+  const auto refuse = [](const std::string&) -> Result<std::unique_ptr<capture::CaptureSource>> {
+    return Error{ErrorCode::kData, "by its kind"};
+  };
+  const auto by_kind = open_source(uri, {.sources = {{uri, "KIND", refuse}}, .devices = {}});
+  ASSERT_FALSE(by_kind);
+  EXPECT_EQ(by_kind.error().context, "by its kind");
+}
+
 TEST(OpenSource, ARigIsNoRecording) {
   EXPECT_TRUE(test::refused(open_source("rig:none.toml"), {}, ErrorCode::kUsage));
 }
