@@ -4,9 +4,9 @@
 //   band    of key_band.frag
 //   state, counts  of key_state.frag and key_speckles.frag
 //   plate   linear light, view
-//   learned  background colour, linear, red negative where unknown
-//   found   light and 1; 0 where depth shows more than the room, too few pixels are known, or they
-//           differ in more than light (frame/room_light.h)
+//   learned  background colour, linear, red negative where unknown, and its sigma
+//   found   light and squared change within the block; 0 where depth shows more than the room, too
+//           few pixels are known, or they differ in more than light (frame/room_light.h)
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/key.glsl"
@@ -17,6 +17,8 @@ layout(binding = 1) uniform sampler2D state;
 layout(binding = 2) uniform sampler2D counts;
 layout(binding = 3) uniform sampler2D plate;
 layout(binding = 4) uniform sampler2D learned;
+layout(binding = 5) uniform sampler2D learned_sigma;
+uniform bool has_sigma;
 out vec4 found;
 
 bool near_votes(ivec2 block) {
@@ -34,8 +36,8 @@ void main() {
   if (count.x > 0.0 || !near_votes(block)) return;
   bool speckle = (int(count.w) & 4) != 0, by_mirror = (int(count.w) & by_mirror_flag()) != 0;
   ivec2 end = min(first + block_px, textureSize(plate, 0));
-  float n = 0.0, pp = 0.0, pb = 0.0, bb = 0.0;
-  vec3 plate_sum = vec3(0), learned_sum = vec3(0);
+  float n = 0.0, noise2 = 0.0;
+  vec3 plate_sum = vec3(0), learned_sum = vec3(0), pp = vec3(0), pb = vec3(0), bb = vec3(0);
   for (int y = first.y + room_light_row; y < end.y; y += room_light_rows)
     for (int x = first.x; x < end.x; ++x) {
       int s = to_state(texelFetch(state, ivec2(x, y), 0).r);
@@ -48,14 +50,18 @@ void main() {
       n += 1.0;
       plate_sum += p;
       learned_sum += b;
-      pp += now * now;
-      pb += now * light;
-      bb += light * light;
+      pp += p * p;
+      pb += p * b;
+      bb += b * b;
+      float sigma = has_sigma ? gain.g * texelFetch(learned_sigma, ivec2(x, y), 0).r : 0.0;
+      noise2 += sigma * sigma + color_noise * color_noise;
     }
   if (n < room_light_least) return;
-  float share = pb / bb, mean = pb / n, rest = (pp - share * pb) / n;
-  if (rest > room_light_rest * room_light_rest * share * mean) return;
+  vec3 rest = pp - pb * pb / max(bb, vec3(1e-8));
+  float mean = luminance(learned_sum) / n;
+  float change2 = (dot(rest, vec3(1.0 / 3.0)) - noise2) / (n * mean * mean + 1e-8);
+  if (change2 > room_light_rest * room_light_rest) return;
   vec3 light = (plate_sum + n * color_noise) / (learned_sum + n * color_noise);
   float least = min(min(light.r, light.g), light.b), most = max(max(light.r, light.g), light.b);
-  if (least >= room_light_hue * most) found = vec4(light, 1.0);
+  if (least >= room_light_hue * most) found = vec4(light, max(0.0, change2));
 }

@@ -14,11 +14,16 @@ inline constexpr int kRoomLightRows = 4;
 inline constexpr float kRoomLightLeast = 8.0F;
 /// A pixel brighter than the learned light by more than this factor shows no room.
 inline constexpr float kRoomLightMost = 1.5F;
-/// A block does not count where its pixels differ from the learned ones in more than light: by more
-/// than this part of it, root mean square.
+/// A block does not count where its pixels differ from the learned ones in more than light and
+/// noise: by more than this part of the luminance, root mean square of the channels.
 inline constexpr float kRoomLightRest = 0.1F;
 /// Nor does it count where its colour is another: least channel of its light over the largest.
 inline constexpr float kRoomLightHue = 0.6F;
+/// The standard deviation of the room's colour about its light is measured; kColorFlicker counts
+/// like this number of blocks.
+inline constexpr float kRoomLightPrior = 2.0F;
+/// Most of that standard deviation, as a part of the luminance.
+inline constexpr float kRoomLightVary = 0.09F;
 /// A pixel shows the room beyond doubt within this squared distance, in variances: the mean of
 /// three channels' noise.
 inline constexpr float kSurelyRoom = 3.0F;

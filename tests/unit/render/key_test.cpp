@@ -395,6 +395,29 @@ TEST(Key, a_strip_of_the_room_under_peoples_depth_is_no_colour_of_people) {
 }
 
 /// The wall beside who walks is darker than it was learned, by more than a shadow of colour votes.
+/// A striped shirt before the wall and a warm strip without depth beside it. The hue of the wall
+/// around varies by `hue` from block to block.
+Keyed warm_strip(float hue) {
+  const auto warm = [](float by) { return Rgbf{kWall.r + by, kWall.g, kWall.b - by}; };
+  Keyed k;
+  k.person(16, 0, 32, 64);
+  for (int x = 16; x < 32; x += 4) k.paint(x, 0, x + 4, 64, warm(x % 8 == 0 ? 0.15F : -0.15F));
+  k.paint(32, 0, 40, 64, warm(0.06F));
+  for (int y = 0; y < 64; ++y)
+    for (int x = 32; x < 40; ++x) k.w.at(x, y) = 0;
+  for (int x = 40; x < 64; x += 8) k.paint(x, 0, x + 8, 64, warm(x % 16 == 0 ? hue : -hue));
+  k.run();
+  return k;
+}
+
+TEST(Key, a_hue_that_the_room_around_does_not_have_is_a_person) {
+  const Keyed steady = warm_strip(0), varied = warm_strip(0.06F);
+  for (int y = 8; y < 56; ++y) {
+    EXPECT_TRUE(steady.is_person(36, y)) << y;
+    EXPECT_FALSE(varied.is_person(36, y)) << y;
+  }
+}
+
 TEST(Key, a_strip_of_the_room_in_the_light_that_the_room_around_has_now_is_nobody) {
   for (const auto& [light, is_person] :
        {std::pair(Rgbf{0.32F, 0.34F, 0.37F}, false), std::pair(Rgbf{0.33F, 0.22F, 0.12F}, true)}) {

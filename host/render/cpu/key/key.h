@@ -64,6 +64,11 @@ struct KeyInput {
   MovingBackground* moving = nullptr;  ///< if not null, draws the colours of `background` on demand
   const FrameBefore* before = nullptr;  ///< previous frame for the steady matte; null: unknown
   bool learned() const { return !background.color.empty(); }
+  /// Standard deviation of the learned colours of kLanes pixels in the plate's light; 0 if unknown.
+  FloatLanes learned_sigma(int x, int y) const {
+    if (background.color_sigma.empty()) return FloatLanes{};
+    return tone.gain.g * float_lanes(background.color_sigma.row(y), x, tables.view_size.width);
+  }
   /// Compares the room's light around people with the learned one.
   bool finds_light() const { return params.color && learned() && moving == nullptr; }
   /// Estimates the room's colours beside people.

@@ -9,17 +9,15 @@
 namespace mixrig::render::cpu {
 namespace {
 
-/// Least standard deviation of a colour, by noise and flicker of light.
-float floor_sigma(const glm::vec3& c) { return kColorNoise + kColorFlicker * luminance(c); }
-
-NearColor mean_of(const ColorSums& sums) {
+/// `flicker`: the least standard deviation is that part of the luminance, plus camera noise.
+NearColor mean_of(const ColorSums& sums, float flicker) {
   NearColor out;
   if (sums.count < kBlockPx) return out;
   const float n = static_cast<float>(sums.count);
   out.known = true;
   out.mean = sums.color / n;
   const glm::vec3 variance = sums.square / n - out.mean * out.mean;
-  const float floor = floor_sigma(out.mean);
+  const float floor = kColorNoise + flicker * luminance(out.mean);
   out.variance = std::max(0.0F, (variance.r + variance.g + variance.b) / 3) + floor * floor;
   return out;
 }
@@ -103,7 +101,7 @@ namespace {
 
 /// Colour of the nearest block around that is deep inside the foreground; of several, the first row
 /// by row.
-NearColor deep_color(const KeyScratch& scratch, int bx, int by) {
+NearColor deep_color(const KeyScratch& scratch, int bx, int by, float flicker) {
   const Size size = scratch.blocks_size;
   NearColor out;
   int nearest = 2 * (kDeepBlocks + 1) * (kDeepBlocks + 1);
@@ -112,7 +110,7 @@ NearColor deep_color(const KeyScratch& scratch, int bx, int by) {
          ++x) {
       const int away = (x - bx) * (x - bx) + (y - by) * (y - by);
       if (away >= nearest || !scratch.planes.is_deep(x, y)) continue;
-      const NearColor color = mean_of(scratch.at(x, y).people);
+      const NearColor color = mean_of(scratch.at(x, y).people, flicker);
       if (color.known) out = color, nearest = away;
     }
   return out;
@@ -120,7 +118,7 @@ NearColor deep_color(const KeyScratch& scratch, int bx, int by) {
 
 }  // namespace
 
-NearColors colors_around(const KeyScratch& scratch, int bx, int by, int radius) {
+NearColors colors_around(const KeyScratch& scratch, int bx, int by, int radius, float flicker) {
   NearColors out;
   int foreground = 0;
   ColorSums people, room;
@@ -135,9 +133,9 @@ NearColors colors_around(const KeyScratch& scratch, int bx, int by, int radius) 
       room.add(b.room);
     }
   if (foreground > 0) out.w /= static_cast<float>(foreground);
-  out.people = mean_of(people);
-  out.room = mean_of(room);
-  out.deep = deep_color(scratch, bx, by);
+  out.people = mean_of(people, flicker);
+  out.room = mean_of(room, flicker);
+  out.deep = deep_color(scratch, bx, by, flicker);
   return out;
 }
 

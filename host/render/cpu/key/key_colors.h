@@ -24,7 +24,8 @@ struct NearColors {
 void sample_pair(const KeyInput& input, const Image<float>& view_w, int bx, int by,
                  KeyScratch& scratch);
 
-/// Averages over the sampled blocks within `radius` of (bx, by).
-NearColors colors_around(const KeyScratch& scratch, int bx, int by, int radius);
+/// Averages over the sampled blocks within `radius` of (bx, by). `flicker`: least standard
+/// deviation of the colours beside camera noise, as a part of their luminance.
+NearColors colors_around(const KeyScratch& scratch, int bx, int by, int radius, float flicker);
 
 }  // namespace mixrig::render::cpu

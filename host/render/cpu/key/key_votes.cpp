@@ -29,13 +29,19 @@ struct RoomDistance {
   FloatLanes square, variance, most;
 };
 
-/// `b`: the room's light now. `spread`: its standard deviation where it was learned. `darkest`:
-/// what is darker than this factor of b is no shadow.
+/// The learned colours of the room: `sigma`, their standard deviation; `light`, the room's light
+/// around over theirs, and `flicker`, its standard deviation.
+struct LearnedRoom {
+  ColorLanes color, light;
+  FloatLanes sigma, flicker;
+};
+
+/// `b`: the room's light now. `darkest`: what is darker than this factor of b is no shadow.
 RoomDistance to_room(const KeyInput& input, const ColorLanes& p, const ColorLanes& b,
-                     FloatLanes spread, FloatLanes darkest) {
+                     const LearnedRoom& room, FloatLanes darkest) {
   constexpr FloatLanes kOne = FloatLanes{} + 1;
-  const FloatLanes light = luminance(b), floor = kColorNoise + kColorFlicker * light;
-  const FloatLanes variance = spread * spread + floor * floor;
+  const FloatLanes floor = kColorNoise + room.flicker * luminance(b);
+  const FloatLanes variance = room.sigma * room.sigma + floor * floor;
   const FloatLanes shade = dot(p, b) / max(dot(b, b), FloatLanes{} + 1e-8F);
   const FloatLanes k = clamp(shade, FloatLanes{} + kDarkestShadow, kOne);
   const ColorLanes d{p.r - k * b.r, p.g - k * b.g, p.b - k * b.b};
@@ -48,19 +54,19 @@ RoomDistance to_room(const KeyInput& input, const ColorLanes& p, const ColorLane
 }
 
 /// By the learned light or, where that is nearer to the plate, by the light found around.
-RoomDistance to_learned(const KeyInput& input, const ColorLanes& p, const ColorLanes& learned,
-                        const ColorLanes& here, FloatLanes sigma) {
-  ColorLanes b = shown_now(input.tone, learned);
+RoomDistance to_learned(const KeyInput& input, const ColorLanes& p, const LearnedRoom& room) {
+  ColorLanes b = shown_now(input.tone, room.color);
   FloatLanes darkest = FloatLanes{} + kDeepestShadow;
   if (input.finds_light()) {
     // The darkest shadow is relative to the learned light.
     const FloatLanes least = kDeepestShadow * luminance(b);
-    b = nearer_to(p, b, {here.r * b.r, here.g * b.g, here.b * b.b});
+    b = nearer_to(p, b, {room.light.r * b.r, room.light.g * b.g, room.light.b * b.b});
     darkest = min(least / max(luminance(b), FloatLanes{} + 1e-4F), FloatLanes{} + 1);
   }
-  RoomDistance room = to_room(input, p, b, input.tone.gain.g * sigma, darkest);
-  room.most = learned.r < 0 ? FloatLanes{} : room.most;  // an unknown colour does not vote
-  return room;
+  RoomDistance distance = to_room(input, p, b, room, darkest);
+  // An unknown colour does not vote.
+  distance.most = room.color.r < 0 ? FloatLanes{} : distance.most;
+  return distance;
 }
 
 /// Squared distance to a colour over its variance.
@@ -90,6 +96,13 @@ struct ShadedColor {
   }
 };
 
+/// Light flickers on people as on the room beside them: a person in the room's colour is as likely
+/// as the room.
+float people_flicker(const KeyInput& input, const RoomLight& light, int bx, int by) {
+  if (!input.finds_light()) return kColorFlicker;
+  return std::min(kColorFlicker, light.flicker(block_begin(bx), by)[0]);
+}
+
 /// Magnitude of log odds that no colour reaches.
 constexpr float kNoPerson = 1e9F;
 
@@ -116,17 +129,16 @@ void KeyVotes::load_row(const KeyInput& input, const RoomLight& light, int x0, i
   const int y = std::clamp(block_begin(by) - 1 + j, 0, last);
   const auto at = static_cast<std::size_t>(j);
   const int view_width = input.tables.view_size.width;
-  const bool has_sigma = !input.background.color_sigma.empty();
   for (int i = 0; i < width; i += kLanes) {
-    const ColorLanes p = color_lanes(input.plate.row(y), x0 + i, view_width);
+    const int x = x0 + i;
+    const ColorLanes p = color_lanes(input.plate.row(y), x, view_width);
     store(r_[at].data() + i, p.r), store(g_[at].data() + i, p.g), store(b_[at].data() + i, p.b);
     if (!input.learned()) continue;
-    const ColorLanes learned = color_lanes(input.background.color.row(y), x0 + i, view_width);
-    const ColorLanes here = light.at(x0 + i, by);
-    const FloatLanes sigma =
-        has_sigma ? float_lanes(input.background.color_sigma.row(y), x0 + i, view_width)
-                  : FloatLanes{};
-    const RoomDistance room = to_learned(input, p, learned, here, sigma);
+    const FloatLanes flicker =
+        input.finds_light() ? light.flicker(x, by) : FloatLanes{} + kColorFlicker;
+    const RoomDistance room = to_learned(input, p,
+                                         {color_lanes(input.background.color.row(y), x, view_width),
+                                          light.at(x, by), input.learned_sigma(x, y), flicker});
     store(distance_[at].data() + i, room.square);
     store(log_spread_[at].data() + i, log(room.variance));
     store(most_[at].data() + i, room.most);
@@ -219,7 +231,8 @@ void KeyVotes::decide(const KeyInput& input, int bx0, int bx1, int by, KeyScratc
     sum_depths(scratch.state, size, x0, x1, y0 + j, depths_[static_cast<std::size_t>(j)].data());
   for (int bx = bx0; bx < bx1; ++bx) {
     const bool band = scratch.planes.band.row(by)[bx], near = scratch.planes.near.row(by)[bx];
-    const NearColors colors = colors_around(scratch, bx, by, band ? kBandBlocks : kNearBlocks);
+    const NearColors colors = colors_around(scratch, bx, by, band ? kBandBlocks : kNearBlocks,
+                                            people_flicker(input, scratch.room_light, bx, by));
     Block& block = scratch.at(bx, by);
     block.near_w = colors.w;
     block.room_color = colors.room.known ? colors.room.mean : glm::vec3(-1);

@@ -16,8 +16,8 @@ struct KeyInput;
 
 /// Light of the room in the plate over the learned light under the frame's tone curve, for each
 /// channel: people shade the floor beside them, and a camera's tones depend on the place in the
-/// picture. For a still camera with learned colours; else 1. Rows of blocks may be visited in
-/// parallel.
+/// picture. How much the room's colour still varies about that light is measured too. For a still
+/// camera with learned colours; else 1. Rows of blocks may be visited in parallel.
 class RoomLight {
  public:
   explicit RoomLight(Size blocks);
@@ -30,16 +30,19 @@ class RoomLight {
   void average(const BlockPlanes& planes, int by);
   /// Light at the kLanes pixels from x on in row `by` of blocks; x is at least -1.
   ColorLanes at(int x, int by) const { return {lanes(0, x, by), lanes(1, x, by), lanes(2, x, by)}; }
+  /// Standard deviation of the room's colour about that light, as a part of its luminance.
+  FloatLanes flicker(int x, int by) const { return lanes(3, x, by); }
 
  private:
-  static constexpr int kChannels = 3, kMargin = 16;
-  FloatLanes lanes(int channel, int x, int by) const {
-    return load<FloatLanes>(columns_.row(kChannels * by + channel) + kMargin + x);
+  static constexpr int kPlanes = 4, kMargin = 16;
+  FloatLanes lanes(int plane, int x, int by) const {
+    return load<FloatLanes>(columns_.row(kPlanes * by + plane) + kMargin + x);
   }
-  glm::vec3 around(int bx, int by) const;
+  /// Light of the blocks around, and flicker().
+  glm::vec4 around(int bx, int by) const;
 
-  Image<glm::vec4> found_;  ///< of each block: light and 1, or 0 if not known
-  Image<float> columns_;    ///< light of each column of pixels; a row a channel
+  Image<glm::vec4> found_;  ///< of each block: light and squared change within it, or 0
+  Image<float> columns_;    ///< light and flicker of each column of pixels; a row a plane
 };
 
 }  // namespace mixrig::render::cpu

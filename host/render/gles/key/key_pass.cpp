@@ -117,7 +117,10 @@ void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
     step->program.set("needs_room", use_color_ && !has_learned_);
   finish_.set("refine", refine_);
   finish_.set("has_light", has_light_);
-  if (has_light_) light_tone_ = ToneUniforms(find_light_.program);
+  if (has_light_) {
+    find_light_.program.set("has_sigma", has_sigma);
+    light_tone_ = ToneUniforms(find_light_.program);
+  }
   finish_.set("has_learned", has_learned_);
   matte_tone_ = ToneUniforms(finish_);
   has_before_ = finish_.location("has_before");
@@ -144,7 +147,8 @@ void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
   if (has_light_) {
     find_light_.program.use();
     light_tone_.set(input.tone);
-    run(find_light_, {&band_, &state_image_, &kept_counts_, &input.plate, &input.learned});
+    run(find_light_,
+        {&band_, &state_image_, &kept_counts_, &input.plate, &input.learned, &input.learned_sigma});
     run(mean_light_, {&band_, &found_light_});
   }
   if (use_color_) {
