@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Documents: reading, the check for unknown keys, environment variables.
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -103,6 +105,9 @@ Result<std::string> read_text(const std::filesystem::path& path, std::size_t max
   std::FILE* file = std::fopen(path.c_str(), "rb");
   if (file == nullptr) return system_error(ErrorCode::kNotFound, what, errno);
   std::string text;
+  std::error_code unknown;  // of a pipe
+  const auto bytes = std::filesystem::file_size(path, unknown);
+  if (!unknown) text.reserve(std::min<std::uintmax_t>(bytes, max_bytes) + 1);
   char part[16384];
   errno = 0;
   while (text.size() <= max_bytes) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/scene/gltf/gltf_file.h"
+#include "host/scene/gltf/gltf_texels.h"
 
 namespace mixrig::scene {
 namespace fs = std::filesystem;
@@ -28,7 +29,7 @@ bool is_one_of(const std::array<std::string_view, N>& list, std::string_view wor
 }
 
 std::string word_of(const Json& value, std::size_t most = 100) {
-  return value.is_string() ? value.get<std::string>().substr(0, most) : std::string();
+  return value.is_string() ? value.get_ref<const std::string&>().substr(0, most) : std::string();
 }
 
 /// The texts of a list; an empty list where it is none.
@@ -80,7 +81,8 @@ Result<void> check_version(const Json& root) {
 
 Result<void> check_buffers(const Json& root, const fs::path& folder) {
   for (const Json* buffer : tables_in(root, "buffers")) {
-    const std::string uri = word_of(buffer->value("uri", Json()), 1000);
+    const auto named = buffer->find("uri");
+    const std::string uri = named != buffer->end() ? word_of(*named, 1000) : std::string();
     if (uri.empty() || uri.starts_with("data:")) continue;
     if (file_inside((folder / decoded(uri)).string(), folder).empty())
       return bad_gltf("needs the file '" + uri.substr(0, 200) +
@@ -134,6 +136,7 @@ fs::path file_inside(const std::string& name, const fs::path& folder) {
 }
 
 Result<std::vector<std::string>> check_declared(std::span<const std::uint8_t> json,
+                                                std::span<const std::uint8_t> bin,
                                                 const fs::path& folder) {
   const Json root = Json::parse(json.begin(), json.end(), nullptr, false);
   if (!root.is_object()) {
@@ -148,6 +151,9 @@ Result<std::vector<std::string>> check_declared(std::span<const std::uint8_t> js
     if (!is_one_of(kReadExtensions, name))
       return bad_gltf("needs the extension " + name + ": export without it");
   MIXRIG_TRY(check_buffers(root, folder));
+  TexelCount texels;
+  texels.add_buffered(root, bin);
+  if (texels.is_too_many()) return too_many_texels();
   return drawn_without(root);
 }
 

@@ -13,9 +13,11 @@
 namespace mixrig::scene {
 
 /// Checks the JSON of a file: that it is glTF 2.0, needs only extensions that are read, and that
-/// its buffers lie in `folder`. Returns what it has and is drawn without, in words, none twice.
+/// its buffers lie in `folder`, and that its pictures in `bin`, the buffer of a .glb, are not too
+/// large. Returns what it has and is drawn without, in words, none twice.
 /// Errors: kFormat, without the file's name.
 Result<std::vector<std::string>> check_declared(std::span<const std::uint8_t> json,
+                                                std::span<const std::uint8_t> bin,
                                                 const std::filesystem::path& folder);
 
 /// Returns the picture format of a texture extension in words, such as "WebP"; empty for other

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "host/scene/gltf/gltf_declared.h"
+#include "host/scene/gltf/gltf_texels.h"
 
 namespace mixrig::scene {
 namespace fs = std::filesystem;
@@ -21,23 +22,40 @@ bool is_glb(std::span<const std::uint8_t> bytes) {
   return bytes.size() >= kGlbHeaderBytes && std::memcmp(bytes.data(), "glTF", 4) == 0;
 }
 
-/// Whether JSON is nested too deep. tinygltf parses it by recursion, so this is checked first.
-bool is_nested_too_deep(std::span<const std::uint8_t> json) {
+/// Position of the quote that ends the text in JSON which begins at `at`; the size where none does.
+std::size_t end_of_text(std::span<const std::uint8_t> json, std::size_t at) {
+  for (std::size_t from = at; from < json.size();) {
+    const void* const quote = std::memchr(json.data() + from, '"', json.size() - from);
+    if (quote == nullptr) break;
+    const auto end =
+        static_cast<std::size_t>(static_cast<const std::uint8_t*>(quote) - json.data());
+    std::size_t escapes = 0;
+    while (end - escapes > at && json[end - escapes - 1] == '\\') ++escapes;
+    if (escapes % 2 == 0) return end;
+    from = end + 1;
+  }
+  return json.size();
+}
+
+/// Checks what parsers would take stack and memory for: nesting, since tinygltf parses it by
+/// recursion, and the pictures in its texts.
+Result<void> check_json(std::span<const std::uint8_t> json) {
   int depth = 0;
-  bool in_text = false, escaped = false;
-  for (const std::uint8_t c : json) {
-    if (in_text) {
-      in_text = escaped || c != '"';
-      escaped = !escaped && c == '\\';
-    } else if (c == '"') {
-      in_text = true;
+  TexelCount texels;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const std::uint8_t c = json[i];
+    if (c == '"') {
+      const std::size_t end = end_of_text(json, i + 1);
+      texels.add_text({reinterpret_cast<const char*>(json.data()) + i + 1, end - i - 1});
+      if (texels.is_too_many()) return too_many_texels();
+      i = end;
     } else if (c == '{' || c == '[') {
-      if (++depth > kMaxNesting) return true;
+      if (++depth > kMaxNesting) return bad_gltf("its JSON is nested too deep");
     } else if (c == '}' || c == ']') {
       --depth;
     }
   }
-  return false;
+  return {};
 }
 
 std::span<const std::uint8_t> json_of(std::span<const std::uint8_t> bytes) {
@@ -46,6 +64,14 @@ std::span<const std::uint8_t> json_of(std::span<const std::uint8_t> bytes) {
   std::memcpy(&length, bytes.data() + 12, sizeof(length));
   const auto rest = bytes.subspan(kGlbHeaderBytes);
   return rest.first(std::min<std::size_t>(length, rest.size()));
+}
+
+/// The buffer of a .glb, behind its JSON; empty for other files.
+std::span<const std::uint8_t> bin_of(std::span<const std::uint8_t> bytes) {
+  constexpr std::size_t kChunkHeaderBytes = 8;
+  if (!is_glb(bytes)) return {};
+  const std::size_t begin = kGlbHeaderBytes + json_of(bytes).size() + kChunkHeaderBytes;
+  return begin < bytes.size() ? bytes.subspan(begin) : std::span<const std::uint8_t>();
 }
 
 bool exists(const std::string& name, void* folder) {
@@ -86,10 +112,10 @@ Error bad_gltf(const std::string& why) { return Error{ErrorCode::kFormat, why}; 
 
 Result<GltfFile> parse_gltf(std::span<const std::uint8_t> bytes, const fs::path& folder) {
   if (bytes.size() > kMaxFileBytes) return bad_gltf("larger than 1 GiB");
-  if (is_nested_too_deep(json_of(bytes))) return bad_gltf("its JSON is nested too deep");
+  MIXRIG_TRY(check_json(json_of(bytes)));
   if (is_glb(bytes) && bytes[4] != 2) return bad_gltf("is glTF 1.0: export it as glTF 2.0");
   GltfFile file;
-  MIXRIG_ASSIGN(file.without, check_declared(json_of(bytes), folder));
+  MIXRIG_ASSIGN(file.without, check_declared(json_of(bytes), bin_of(bytes), folder));
   fs::path root = folder;
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(keep_picture, &file.pictures);

@@ -11,12 +11,12 @@
 #include "hal/base/log.h"
 #include "host/math/config/table.h"
 #include "host/math/image_io/image_io.h"
-#include "host/math/image_io/picture_size.h"
 #include "host/scene/gltf/gltf_accessor.h"
 #include "host/scene/gltf/gltf_declared.h"
 #include "host/scene/gltf/gltf_file.h"
 #include "host/scene/gltf/gltf_mesh.h"
 #include "host/scene/gltf/gltf_skin.h"
+#include "host/scene/gltf/gltf_texels.h"
 #include "host/scene/scene.h"
 
 namespace mixrig::scene {
@@ -26,7 +26,6 @@ namespace {
 constexpr std::size_t kMaxModelBytes = std::size_t{1} << 30;
 /// Most of a model. Meshes count as often as nodes use them, pictures as often as they are listed.
 constexpr std::size_t kMaxVertices = 20'000'000, kMaxCorners = 3 * kMaxVertices;
-constexpr std::size_t kMaxTexels = std::size_t{1} << 28;  ///< 0.8 GB, sixteen maps of 4096 x 4096
 constexpr int kMaxNodeDepth = 64;
 constexpr double kMostStrength = 1e6;  ///< largest emissive strength
 constexpr double kMostBend = 100;      ///< largest factor of a normal map
@@ -235,13 +234,12 @@ class ModelBuilder {
 
   /// A picture of a few bytes may state any size: their sum is checked before one is decoded.
   Result<void> check_pictures() const {
-    std::size_t texels = 0;
+    TexelCount texels;
     for (std::size_t i = 0; i < file_.gltf.images.size(); ++i) {
       const auto bytes = picture_bytes(i);
       if (!bytes || bytes->empty()) continue;  // refused where it is used
-      if (const auto size = image_io::picture_size(*bytes, picture_name(i))) texels += size->area();
-      if (texels > kMaxTexels)
-        return bad_gltf("its pictures have more than 268 million pixels: make them smaller");
+      texels.add(*bytes);
+      if (texels.is_too_many()) return too_many_texels();
     }
     return {};
   }

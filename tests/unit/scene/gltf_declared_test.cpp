@@ -6,6 +6,7 @@
 
 #include "host/scene/scene.h"
 #include "tests/support/hand_gltf.h"
+#include "tests/support/hand_png.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
@@ -33,11 +34,45 @@ class GltfDeclared : public ::testing::Test {
     return load_gltf(folder_.write(name, bytes));
   }
   Result<std::vector<std::string>> without(const std::string& json) {
-    return check_declared({reinterpret_cast<const std::uint8_t*>(json.data()), json.size()},
+    return check_declared({reinterpret_cast<const std::uint8_t*>(json.data()), json.size()}, {},
                           folder_.path());
   }
   test::TemporaryFolder folder_;
 };
+
+/// The header of a PNG of 16384 x 16384 pixels; two are more than a model may have.
+constexpr const char* kLargePng = "iVBORw0KGgoAAAANSUhEUgAAQAAAAEAACAIAAAAmqofTAAAAAElEQVQ1rwYe";
+
+TEST_F(GltfDeclared, PicturesAreCountedBeforeTheFileIsParsed) {
+  const std::string picture = std::string("{\"uri\":\"data:image/png;base64,") + kLargePng + "\"}";
+  const auto file = [&](const std::string& pictures) {
+    return R"({"asset":{"version":"2.0"},"images":[)" + pictures +
+           "]";  // the last brace is missing
+  };
+  EXPECT_TRUE(test::refused(load(file(picture), "one.gltf"), {"is cut short"}));
+  EXPECT_TRUE(
+      test::refused(load(file(picture + "," + picture), "two.gltf"), {"more than 268 million"}));
+  EXPECT_TRUE(test::refused(load(R"({"asset":"\\\"","images":[)" + picture, "quote.gltf"),
+                            {"is cut short"}));
+}
+
+/// The buffer is cut short, which only the parser would say.
+TEST_F(GltfDeclared, PicturesInTheBufferAreCountedBeforeItIsParsed) {
+  const std::string png = test::hand_png(16384, 16384, 8, 2, "");
+  const auto file = [&](const char* images) {
+    const std::string json = R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":999999999}],
+        "bufferViews":[{"buffer":0,"byteLength":)" +
+                             std::to_string(png.size()) + R"(}, {"buffer":0,"byteOffset":9999999}],
+        "images":)" + images +
+                             "}";
+    return test::glb(json, png);
+  };
+  EXPECT_TRUE(test::refused(load(file(R"([{"bufferView":0},{"bufferView":0}])")),
+                            {"more than 268 million"}));
+  EXPECT_TRUE(test::refused(load(file(R"([{"bufferView":0},{"bufferView":1},{"bufferView":2},
+                                          {"bufferView":-1},5])")),
+                            {"damaged"}));
+}
 
 TEST_F(GltfDeclared, OnlyRequiredExtensionsThatAreReadPass) {
   for (const char* name :

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pixels of a model's pictures by their headers, counted before the file is parsed. Private to this
+// module.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "hal/base/result.h"
+
+namespace mixrig::scene {
+
+inline constexpr std::size_t kMaxTexels = std::size_t{1} << 28;  ///< sixteen maps of 4096 x 4096
+Error too_many_texels();
+
+/// Adds the size that the header of a picture states, if it has one.
+class TexelCount {
+ public:
+  void add(std::span<const std::uint8_t> picture);
+  /// Adds the picture of a text "data:image/...;base64,..."; other texts add nothing.
+  void add_text(std::string_view text);
+  /// Adds the pictures of a parsed file that lie in the buffer of a .glb, `bin`.
+  void add_buffered(const nlohmann::json& root, std::span<const std::uint8_t> bin);
+  bool is_too_many() const { return texels_ > kMaxTexels; }
+
+ private:
+  std::size_t texels_ = 0;
+};
+
+}  // namespace mixrig::scene
