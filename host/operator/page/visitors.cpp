@@ -19,10 +19,12 @@ std::size_t Visitors::count(bool guests, const std::string* address) const {
 /// most of this kind.
 bool Visitors::end_oldest(State state, const std::string* address) {
   auto victim = all_.end();
-  std::size_t most = 0;
+  const std::string* counted = nullptr;  // neighbours are often of one address
+  std::size_t most = 0, of_address = 0;
   for (auto one = all_.begin(); one != all_.end(); ++one) {
     if (one->state != state || (address != nullptr && one->address != *address)) continue;
-    const std::size_t of_address = count(state == State::kGuest, &one->address);
+    if (counted == nullptr || *counted != one->address)
+      counted = &one->address, of_address = count(state == State::kGuest, counted);
     if (of_address <= most) continue;
     victim = one, most = of_address;
   }
