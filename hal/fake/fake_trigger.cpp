@@ -46,7 +46,7 @@ Result<void> FakeTrigger::start() {
   const std::lock_guard lock(mutex_);
   MIXRIG_TRY(answer());
   state_ = device::TriggerState::kRunning;
-  next_ = 0;
+  next_ = first_;
   ticks_.clear();
   ++starts_;
   changed_.notify_all();
@@ -81,6 +81,11 @@ std::uint64_t FakeTrigger::tick() {
   if (!silent_) (void)ticks_.push({next_, mcu_now(), fired});
   changed_.notify_all();
   return next_++;
+}
+
+void FakeTrigger::number_from(std::uint64_t first) {
+  const std::lock_guard lock(mutex_);
+  first_ = first;
 }
 
 void FakeTrigger::reset() {

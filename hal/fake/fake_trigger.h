@@ -24,6 +24,8 @@ class FakeTrigger final : public device::TriggerMaster {
 
   /// Makes the next tick happen now if the trigger runs; returns its number.
   std::uint64_t tick();
+  /// The number of the first tick after the next starts.
+  void number_from(std::uint64_t first);
   /// Resets the controller, as a brown-out does: it is idle, and tick numbers restart.
   void reset();
   bool running() const;
@@ -48,7 +50,7 @@ class FakeTrigger final : public device::TriggerMaster {
   std::array<device::TriggerChannel, kChannels> channels_{};
   device::TriggerState state_ = device::TriggerState::kIdle;
   bool silent_ = false;
-  std::uint64_t next_ = 0;
+  std::uint64_t first_ = 0, next_ = 0;
   int starts_ = 0;
 };
 

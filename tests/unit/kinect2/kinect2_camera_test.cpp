@@ -4,7 +4,6 @@
 #include "extras/kinect2/kinect2_camera.h"
 
 #include <atomic>
-#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -12,6 +11,7 @@
 
 #include "extras/kinect2/emulated_kinect2.h"
 #include "extras/kinect2/kinect2_depth.h"
+#include "tests/support/kinect2_answers.h"
 #include "tests/support/kinect2_pictures.h"
 #include "tests/support/progress.h"
 #include "tests/support/threaded_clock.h"
@@ -23,20 +23,6 @@ using namespace std::chrono_literals;
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr double kWall_m = 2.5;
-
-void put_u32(Bytes& bytes, std::uint32_t v) {
-  for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<std::uint8_t>(v >> (8 * i)));
-}
-
-device::EmulatedKinect2::Answers answers() {
-  device::EmulatedKinect2::Answers a;
-  a.phase_offsets.resize(1302572);
-  for (const float v : {365.0F, 365.0F, 0.0F, 256.0F, 212.0F})
-    put_u32(a.infrared, std::bit_cast<std::uint32_t>(v));
-  a.infrared.resize(92);
-  a.color.resize(12981);
-  return a;
-}
 
 /// A patch at one distance of the light's way; the rest is dark.
 const Kinect2Pictures& wall() {
@@ -98,7 +84,7 @@ class Kinect2Camera : public ::testing::Test {
   }
 
   ThreadedClock clock_;
-  device::EmulatedKinect2 device_{answers()};
+  device::EmulatedKinect2 device_{kinect2_answers()};
   std::unique_ptr<device::DepthCamera> depth_;
   std::unique_ptr<device::Camera> color_;
   std::uint32_t frame_ = 0;
@@ -212,14 +198,14 @@ TEST_F(Kinect2Camera, AStallAndSilenceStartItAgain) {
 
 TEST(Kinect2Open, AnswersThatAreNotValidAreRefused) {
   ThreadedClock clock;
-  auto wrong = answers();
+  auto wrong = kinect2_answers();
   wrong.phase_offsets.resize(1000);
   device::EmulatedKinect2 device(wrong);
   auto opened =
       device::open_kinect2(device.pipes(), "kinect2:test", clock, device::make_kinect2_decoder);
   ASSERT_FALSE(opened);
   EXPECT_EQ(opened.error().code, ErrorCode::kDevice);
-  device::EmulatedKinect2 silent(answers());
+  device::EmulatedKinect2 silent(kinect2_answers());
   silent.leave_commands_open();
   opened =
       device::open_kinect2(silent.pipes(), "kinect2:test", clock, device::make_kinect2_decoder);
