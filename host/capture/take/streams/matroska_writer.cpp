@@ -33,6 +33,30 @@ bool wait_while_taken(GstElement* source, const Pipeline& pipeline, guint64 most
   return !pipeline.has_failed();
 }
 
+constexpr const char* kFailed = "mixrig-failed";
+
+/// Writes nothing to the file after the first error. The muxer would go on: it ends the stream, and
+/// its index behind the frame that failed would be read as that frame.
+void write_nothing_after_an_error(const Pipeline& pipeline) {
+  const GstElementPtr file(pipeline.element("file"));
+  GstPad* const pad = gst_element_get_static_pad(file.get(), "sink");
+  constexpr int kData = GST_PAD_PROBE_TYPE_BUFFER | GST_PAD_PROBE_TYPE_BUFFER_LIST;
+  const auto drop = +[](GstPad* sink, GstPadProbeInfo*, gpointer) {
+    return g_object_get_data(G_OBJECT(sink), kFailed) != nullptr ? GST_PAD_PROBE_DROP
+                                                                 : GST_PAD_PROBE_OK;
+  };
+  gst_pad_add_probe(pad, static_cast<GstPadProbeType>(kData), drop, nullptr, nullptr);
+  // Called by the thread of the error, before it goes on. The bus keeps the pad.
+  const auto note = +[](GstBus*, GstMessage* message, gpointer sink) {
+    if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
+      g_object_set_data(G_OBJECT(sink), kFailed, sink);
+    return GST_BUS_PASS;
+  };
+  GstBus* const bus = gst_element_get_bus(pipeline.get());
+  gst_bus_set_sync_handler(bus, note, pad, gst_object_unref);
+  gst_object_unref(bus);
+}
+
 }  // namespace
 
 const char* raw_format(PixelKind kind) {
@@ -58,6 +82,7 @@ Result<MatroskaWriter> MatroskaWriter::create(const std::filesystem::path& path,
       "max-cluster-duration=1000000000 min-index-interval=" +
       std::to_string(index_every_ns) + " ! filesink name=file buffer-mode=unbuffered";
   MIXRIG_ASSIGN(Pipeline pipeline, Pipeline::create(description, path));
+  write_nothing_after_an_error(pipeline);
   GstElementPtr source(pipeline.element("source"));
   MIXRIG_TRY(pipeline.play());
   return MatroskaWriter(std::move(pipeline), std::move(source), size, rate_hz, path.string());
