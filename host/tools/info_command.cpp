@@ -119,6 +119,7 @@ nlohmann::json report_of(const take::TakeInfo& info, const DepthStatistics& dept
   nlohmann::json report = {
       {"name", info.name},
       {"frames", info.frames},
+      {"segments", info.segments},
       {"streams", {{"color", stream_json(info.color)}, {"depth", stream_json(info.depth)}}},
       {"target", camera_json(info.target)},
       {"tof", camera_json(info.tof)},
@@ -167,6 +168,7 @@ void print_base(const char* name, const geometry::Pose& target_from_tof) {
 
 void print(const take::TakeInfo& info, const DepthStatistics& depth) {
   std::printf("%s: %d frames\n", info.name.c_str(), info.frames);
+  if (info.segments > 1) std::printf("  segments   %d takes, read as one\n", info.segments);
   print_stream("color", info.color);
   print_stream("depth", info.depth);
   if (info.amplitude) print_stream("amplitude", *info.amplitude);

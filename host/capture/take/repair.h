@@ -15,8 +15,8 @@ struct Repaired {
   std::string what;              ///< one line: frames that were taken, seconds that were cut off
 };
 
-/// Ends the take in `partial`, NAME.partial of `record` or of a recording of composites, and
-/// renames the folder to NAME. Nothing is replaced. Errors: kUsage for another name, one that is
+/// Ends the take in `partial`, NAME.partial of `record` or of a recording of composites, whose take
+/// may be in segments, and renames the folder to NAME. Nothing is replaced. Errors: kUsage for another name, one that is
 /// taken, or a take that is still being written; kNotFound without a take in it; kData without a
 /// whole frame; kIo.
 Result<Repaired> repair(const std::filesystem::path& partial);

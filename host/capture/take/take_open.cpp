@@ -27,6 +27,13 @@ std::string rate_hint(const TakeInfo& info) {
   return ": pictures are paired by number: give color.rate_hz and depth.rate_hz if they differ";
 }
 
+void tell_left_out(const TakeInfo& info) {
+  const int longest = std::max(info.color.count, info.depth.count);
+  if (longest > info.frames)
+    tell_once(info.path.string() + ": " + std::to_string(longest - info.frames) +
+              " frames have no partner and are left out" + rate_hint(info));
+}
+
 Result<Manifest> open_manifest(const fs::path& path) {
   std::error_code error;
   fs::path file = path;
@@ -119,6 +126,10 @@ Result<void> TakeReader::State::read_tables() {
 }
 
 Result<TakeReader> TakeReader::open(const fs::path& path) {
+  if (const std::vector<Segment> segments = segments_of(path); !segments.empty()) {
+    MIXRIG_ASSIGN(auto joined, State::join(path, segments));
+    return TakeReader(std::move(joined));
+  }
   auto state = std::make_unique<State>();
   MIXRIG_ASSIGN(state->manifest, open_manifest(path));
   if (state->manifest.unfinished) {
@@ -150,10 +161,7 @@ Result<TakeReader> TakeReader::open(const fs::path& path) {
   });
   state->depth_check = DepthCheck(path.string() + ": [depth]");
   state->depth2_check = DepthCheck(path.string() + ": [depth2]");
-  const int longest = std::max(info.color.count, info.depth.count);
-  if (longest > info.frames)
-    tell_once(path.string() + ": " + std::to_string(longest - info.frames) +
-              " frames have no partner and are left out" + rate_hint(info));
+  tell_left_out(info);
   return TakeReader(std::move(state));
 }
 

@@ -118,6 +118,7 @@ Result<void> TakeReader::read(int number, capture::Capture& frame) {
     return Error{ErrorCode::kNotFound, "take '" + info.path.string() + "' has no frame " +
                                            std::to_string(number) + ": it has 1 to " +
                                            std::to_string(info.frames)};
+  if (!s.joined.empty()) return s.read_joined(number, frame);
   const FrameIndex& index = s.frames[static_cast<std::size_t>(number - 1)];
   s.describe(number, frame);
   MIXRIG_TRY(s.color->read(index.color, frame.plate));
@@ -145,6 +146,7 @@ Result<void> TakeReader::read_truth(int number, capture::Truth& truth) {
   if (!info.has_truth || number < 1 || number > info.frames)
     return Error{ErrorCode::kNotFound, "take '" + info.path.string() + "' has no truth of frame " +
                                            std::to_string(number)};
+  if (!s.joined.empty()) return s.read_joined_truth(number, truth);
   truth.people.clear();
   if (const auto known = s.people.find(number); known != s.people.end())
     truth.people = known->second;

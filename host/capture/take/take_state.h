@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // What an open take holds. Private to this module: take_open.cpp fills it, take_index.cpp says
-// which pictures make a frame, take_reader.cpp reads them.
+// which pictures make a frame, take_reader.cpp reads them, joined_takes.cpp joins takes.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/capture/take/frame_pairs.h"
 #include "host/capture/take/frame_tables.h"
 #include "host/capture/take/manifest.h"
+#include "host/capture/take/segments.h"
 #include "host/capture/take/streams/depth_check.h"
 #include "host/capture/take/streams/depth_steps.h"
 #include "host/capture/take/streams/fisheye_stream.h"
@@ -32,6 +34,14 @@ struct FrameIndex {
   double time_s = 0;
   double depth_after_s = 0, depth2_after_s = 0;  ///< mid-exposures after that of colour
   geometry::Pose world_from_target;
+};
+
+/// A take of a folder of segments (segments.h).
+struct JoinedTake {
+  std::filesystem::path path;
+  int first = 1, frames = 0;  ///< number of its first frame, and how many it has
+  Duration later{};           ///< added to its stamps
+  double later_s = 0;         ///< added to its times
 };
 
 /// Files of the TUM lists of colour and depth.
@@ -56,6 +66,10 @@ struct TakeReader::State {
   std::shared_ptr<const capture::RigCameras> cameras;
   Image<std::uint16_t> steps;  ///< reused from frame to frame
   DepthCheck depth_check{""}, depth2_check{""};
+  std::vector<JoinedTake> joined;           ///< empty for a take that is not in segments
+  std::optional<TakeReader> joined_reader;  ///< of the one that was read last
+  capture::Capture joined_begin;            ///< first frame, without its pictures
+  HostTime joined_end{};                    ///< mid-exposure of the last frame
 
   TakeInfo& info() { return manifest.info; }
   Result<void> open_streams();
@@ -67,6 +81,12 @@ struct TakeReader::State {
   Result<std::string> read_rows(const std::filesystem::path& path) const;
   Result<void> read_tables();
   void take_times_from_ticks();
+  static Result<std::unique_ptr<State>> join(const std::filesystem::path& folder,
+                                             const std::vector<Segment>& segments);
+  Result<void> add_joined(const TakeReader& reader);
+  Result<const JoinedTake*> open_joined(int number);
+  Result<void> read_joined(int number, capture::Capture& capture);
+  Result<void> read_joined_truth(int number, capture::Truth& truth);
   void describe(int number, capture::Capture& capture) const;
   Result<void> read_steps(PictureStream& stream, int index, const Steps& meaning,
                           Image<float>& out);
