@@ -19,7 +19,8 @@ set(MIXRIG_SLOW_e2e_test
   RoomScan.LampsHaveTheirLightWherePlatesWereTakenAtOtherExposures)
 set(MIXRIG_SLOW_live_test
   Formats/RecordedDay.GrowsByItsIndexAlone/0  # pictures
-  Formats/RecordedDay.GrowsByItsIndexAlone/1)  # Matroska
+  Formats/RecordedDay.GrowsByItsIndexAlone/1  # Matroska
+  Formats/RecordedDay.GrowsByItsIndexAlone/2)  # Matroska in segments
 set(MIXRIG_SLOW_calibrate_rig_test
   FirstSquare.may_be_white_in_all_pixels_of_a_rig
   RolledCamera.is_placed_by_a_board_that_looks_alike_upside_down)

@@ -20,6 +20,8 @@
 namespace mixrig::tools {
 namespace {
 
+constexpr double kMinute_s = 60;
+
 struct RunArguments {
   SessionArguments session;
   PageArguments page;
@@ -27,6 +29,7 @@ struct RunArguments {
   bool layers = false, inspect = false, baselines = false;
   bool watch = false, no_watch = false, accept_changes = false, follow_scene = false;
   std::string save_room;
+  double segment_minutes = 0;
   double change_after_s = model::WatchOptions{}.appeared_s;
 };
 
@@ -95,6 +98,7 @@ Result<session::RunOptions> parse_options(const RunArguments& arguments, const C
                                                        : output::OutputFormat::kPng;
   options.output.layers = arguments.layers;
   options.output.inspect = arguments.inspect;
+  options.output.segment_s = kMinute_s * arguments.segment_minutes;
   options.baselines = arguments.baselines;
   options.judge = !arguments.page.serves;
   if (!arguments.stream.empty()) options.streams.emplace_back().uri = arguments.stream;
@@ -210,9 +214,15 @@ void add_run_command(Command app, Context& context) {
   command.add_flag("--follow-scene", arguments->follow_scene,
                    "composite what is saved to SCENE meanwhile, of a recording, too; live runs do");
   command.add_flag("--no-watch", arguments->no_watch, "do not look for changes of the room");
+  command
+      .add_option("--segment-minutes", arguments->segment_minutes,
+                  "minutes of a take of composites; then the next one follows; 0: one take")
+      .show_default()
+      .range(0.0, 1440.0);
   add_page_options(command, arguments->page);
   command.callback([&context, arguments, command] {
     arguments->page.serves = command.count("--page") > 0;
+    arguments->page.segment_s = kMinute_s * arguments->segment_minutes;
     arguments->page.takes_osc = command.count("--osc-in") > 0;
     context.action = [arguments] { return run(*arguments); };
   });

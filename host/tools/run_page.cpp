@@ -43,7 +43,8 @@ Result<PageRun> open_page(const PageArguments& arguments, session::Session& sess
   PageRun run;
   run.desk = std::make_unique<session::OperatorDesk>(
       session, parts.scene, *parts.orders, clock,
-      session::DeskOptions{.takes = arguments.takes, .live = live});
+      session::DeskOptions{
+          .takes = arguments.takes, .segment_s = arguments.segment_s, .live = live});
   MIXRIG_ASSIGN(run.server, page::Server::start(*run.desk, *parts.orders, clock, listen, osc));
   parts.sinks.push_back(run.desk->make_sink());
   parts.sinks.push_back(run.server->make_sink());

@@ -18,6 +18,7 @@ namespace mixrig::tools {
 struct PageArguments {
   bool serves = false;     ///< --page was given
   bool takes_osc = false;  ///< --osc-in was given
+  double segment_s = 0;    ///< of the page's recordings
   std::string listen, proxied, takes = "recordings", osc_in;
 };
 /// Adds --page, --page-proxy, --record-to and --osc-in.

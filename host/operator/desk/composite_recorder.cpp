@@ -23,8 +23,12 @@ constexpr std::size_t kBytesOfPixel = sizeof(Rgb8) + sizeof(float);
 
 }  // namespace
 
-CompositeRecorder::CompositeRecorder(const Session& session, fs::path folder, FreeSpace free_space)
-    : session_(session), folder_(std::move(folder)), free_space_(std::move(free_space)) {}
+CompositeRecorder::CompositeRecorder(const Session& session, fs::path folder, FreeSpace free_space,
+                                     double segment_s)
+    : session_(session),
+      folder_(std::move(folder)),
+      free_space_(std::move(free_space)),
+      segment_s_(segment_s) {}
 
 /// Ends a running recording and keeps it.
 CompositeRecorder::~CompositeRecorder() { (void)stop(); }
@@ -83,9 +87,9 @@ Result<void> CompositeRecorder::open(const std::string& name) {
   if (!code) fs::create_directory(path.path(), code);
   if (code)
     return system_error(ErrorCode::kIo, "cannot make folder " + wanted.string(), code.value());
-  MIXRIG_ASSIGN(files_,
-                output::FilesSink::create(path.path(), session_.source->info(), session_.setup.view,
-                                          {.format = output::OutputFormat::kVideo}));
+  MIXRIG_ASSIGN(files_, output::FilesSink::create(
+                            path.path(), session_.source->info(), session_.setup.view,
+                            {.format = output::OutputFormat::kVideo, .segment_s = segment_s_}));
   path_.emplace(std::move(path));
   return {};
 }

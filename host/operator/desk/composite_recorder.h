@@ -33,9 +33,9 @@ class CompositeRecorder {
   /// Free space of a folder's disk in GB; nullopt: not known.
   using FreeSpace = std::function<std::optional<double>(const std::filesystem::path&)>;
 
-  /// `session` must outlive it.
+  /// `session` must outlive it. `segment_s`: see output::OutputOptions.
   CompositeRecorder(const Session& session, std::filesystem::path folder,
-                    FreeSpace free_space = free_gb);
+                    FreeSpace free_space = free_gb, double segment_s = 0);
   ~CompositeRecorder();
   CompositeRecorder(const CompositeRecorder&) = delete;
   CompositeRecorder& operator=(const CompositeRecorder&) = delete;
@@ -71,6 +71,7 @@ class CompositeRecorder {
   const Session& session_;
   const std::filesystem::path folder_;
   const FreeSpace free_space_;
+  const double segment_s_;
   std::mutex mutex_;  ///< one start or stop at a time; guards path_ and files_ while no thread runs
   std::optional<PartialPath> path_;
   /// Used by the thread while it runs; null: no recording.

@@ -42,7 +42,7 @@ OperatorDesk::OperatorDesk(const Session& session, std::shared_ptr<SceneFollower
       cameras_(session, scene_.history()),
       presets_(session, scene_),
       takes_(options_.takes),
-      recorder_(session, options_.takes),
+      recorder_(session, options_.takes, free_gb, options_.segment_s),
       sweep_(session, scene_, clock) {
   orders_.tell([](output::RunState& run) { run.records_takes = true, run.recording = false; });
 }

@@ -23,6 +23,7 @@ namespace mixrig::session {
 
 struct DeskOptions {
   std::filesystem::path takes;  ///< folder for recordings
+  double segment_s = 0;         ///< of recordings: output::OutputOptions
   bool live = false;            ///< the source is devices; else a recording
 };
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "host/capture/take/segments.h"
 #include "host/math/image_io/image_io.h"
 #include "host/output/report/picture.h"
 
@@ -67,17 +68,28 @@ Result<std::unique_ptr<FilesSink>> FilesSink::create(const std::filesystem::path
                << (source.lens ? kLensColumns : "") << '\n';
   sink->lens_columns_ = source.lens != nullptr;
   if (options.format == OutputFormat::kNone) return sink;
-  MIXRIG_ASSIGN(sink->composite_,
-                take::TakeWriter::create(folder / "composite", info_of(source, view),
-                                         options.format == OutputFormat::kVideo
-                                             ? take::StreamFormat::kMatroska
-                                             : take::StreamFormat::kPng));
+  sink->info_ = info_of(source, view);
+  MIXRIG_TRY(sink->begin_take());
   if (options.alpha) MIXRIG_TRY(make_folder(folder / "alpha"));
   for (const char* name : {"segmented_depth", "matte"})
     if (options.layers) MIXRIG_TRY(make_folder(folder / name));
   for (const char* name : {"warped_depth", "key", "light"})
     if (options.inspect) MIXRIG_TRY(make_folder(folder / name));
   return sink;
+}
+
+/// Begins the take of the composites, or its next segment.
+Result<void> FilesSink::begin_take() {
+  std::filesystem::path path = folder_ / "composite";
+  if (options_.segment_s > 0) {
+    MIXRIG_ASSIGN(path, take::next_segment(path));
+  }
+  MIXRIG_ASSIGN(composite_, take::TakeWriter::create(path, info_,
+                                                     options_.format == OutputFormat::kVideo
+                                                         ? take::StreamFormat::kMatroska
+                                                         : take::StreamFormat::kPng));
+  segment_began_s_.reset();
+  return {};
 }
 
 render::OutputMask FilesSink::wanted(int) const {
@@ -94,6 +106,12 @@ Result<void> FilesSink::write(const CompositePtr& composite) {
   if (options_.format == OutputFormat::kNone) return {};
   ++frame_.number;
   frame_.time_s = composite->capture->time_s;
+  if (options_.segment_s > 0 && segment_began_s_ &&
+      frame_.time_s - *segment_began_s_ >= options_.segment_s) {
+    MIXRIG_TRY(composite_->finish());
+    MIXRIG_TRY(begin_take());
+  }
+  if (!segment_began_s_) segment_began_s_ = frame_.time_s;
   frame_.plate = composite->images.color;
   frame_.depth_m = composite->images.mixed_depth_m;
   frame_.world_from_target = composite->world_from_target;

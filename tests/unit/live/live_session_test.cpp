@@ -15,6 +15,8 @@
 #include <unistd.h>
 
 #include "host/capture/live/session/record.h"
+#include "host/capture/take/segments.h"
+#include "tests/support/refusal.h"
 #include "tests/unit/live/session_rig.h"
 
 namespace mixrig::live {
@@ -106,7 +108,7 @@ class RecordedSession : public Session {
   /// Records while a second thread advances the clock.
   Result<RecordReport> record_now() {
     std::thread crank([&] {
-      if (!trigger_->wait_for_start(1, 20s)) return;
+      if (!trigger_->wait_for_start(starts_, 20s)) return;
       for (int ticks = 0; !done_; ++ticks) {
         if (ticks == reset_at_) {
           trigger_->reset();
@@ -122,8 +124,14 @@ class RecordedSession : public Session {
     crank.join();
     return report;
   }
+  /// Another session, as after a restart of the program.
+  void restart() {
+    done_ = false, ticked_ = 0, ++starts_;
+    session_.emplace(config_, devices_, clock_);
+  }
   std::filesystem::path folder_;
   RecordOptions options_;
+  int starts_ = 1;     ///< of the trigger, until the recording
   int reset_at_ = -1;  ///< tick at which the trigger is reset
   std::atomic<bool> stop_ = false;
 };
@@ -146,20 +154,26 @@ TEST_F(RecordedSession, ATakeHoldsItsFramesAndTheirTicks) {
   EXPECT_EQ(rows, report->frames);
 }
 
-class RecordedDay : public RecordedSession,
-                    public ::testing::WithParamInterface<take::StreamFormat> {};
+struct DayKind {
+  take::StreamFormat format;
+  Duration segment;
+  double most_bytes;  ///< of growth, a frame
+};
+
+class RecordedDay : public RecordedSession, public ::testing::WithParamInterface<DayKind> {};
 
 /// 24 h have 2.16 million frames. What is in use on the heap is known to the byte; the least of a
-/// window leaves out what is under way. Pictures: 3 MB in 24 h are 1.4 bytes a frame. Matroska: the
-/// muxers of colour and depth keep 32 bytes for every eighth frame, 17 MB in 24 h.
+/// window leaves out what is under way. Pictures: 3 MB in 24 h are 1.4 bytes a frame. One take of
+/// Matroska: the muxers of colour and depth keep 32 bytes for every eighth frame, 17 MB in 24 h.
+/// Segments: 1.6 KB each, which are 0.3 MB in 24 h where they are ten minutes long.
 TEST_P(RecordedDay, GrowsByItsIndexAlone) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "the sanitizers have an allocator of their own";
 #endif
   constexpr int kWarm = 1500, kWindow = 500, kFrames = 6500;
   options_.duration = kFrames * 40ms;
-  options_.format = GetParam();
-  const double most_bytes = GetParam() == take::StreamFormat::kPng ? 1.4 : 12;
+  options_.format = GetParam().format;
+  options_.segments.length = GetParam().segment;
   std::size_t early = SIZE_MAX, late = SIZE_MAX;
   int frames = 1;
   options_.progress = [&](double) {
@@ -175,24 +189,30 @@ TEST_P(RecordedDay, GrowsByItsIndexAlone) {
   EXPECT_NEAR(report->frames, kFrames, 2);
   EXPECT_EQ(report->left_out, 0U);
   EXPECT_LT((static_cast<double>(late) - static_cast<double>(early)) / (kFrames - kWarm - kWindow),
-            most_bytes);
+            GetParam().most_bytes);
   // The camera's own numbers are an independent count of what was sent.
-  std::ifstream ticks(folder_ / "ticks.csv");
+  std::vector<std::filesystem::path> takes{folder_};
+  if (GetParam().segment > Duration::zero()) takes.clear();
+  for (const take::Segment& segment : take::segments_of(folder_)) takes.push_back(segment.path);
   std::string line;
   std::uint64_t rows = 0, first = 0, last = 0;
-  while (std::getline(ticks, line)) {
-    unsigned long long tick = 0, sequence = 0;
-    if (std::sscanf(line.c_str(), "%*d,color,%llu,%llu", &tick, &sequence) != 2) continue;
-    if (rows++ == 0) first = sequence;
-    last = sequence;
+  for (const std::filesystem::path& take : takes) {
+    std::ifstream ticks(take / "ticks.csv");
+    while (std::getline(ticks, line)) {
+      unsigned long long tick = 0, sequence = 0;
+      if (std::sscanf(line.c_str(), "%*d,color,%llu,%llu", &tick, &sequence) != 2) continue;
+      if (rows++ == 0) first = sequence;
+      last = sequence;
+    }
   }
   EXPECT_EQ(rows, static_cast<std::uint64_t>(report->frames));
   EXPECT_EQ(last - first + 1, rows) << "none is missing";
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, RecordedDay,
-                         ::testing::Values(take::StreamFormat::kPng,
-                                           take::StreamFormat::kMatroska));
+                         ::testing::Values(DayKind{take::StreamFormat::kPng, {}, 1.4},
+                                           DayKind{take::StreamFormat::kMatroska, {}, 12},
+                                           DayKind{take::StreamFormat::kMatroska, 10s, 9}));
 
 TEST_F(RecordedSession, AResetOfTheTriggerBoardLeavesAReadableTake) {
   options_.duration = 3s;
@@ -216,6 +236,57 @@ TEST_F(RecordedSession, EndsWholeBeforeTheDiskIsFull) {
   const auto report = record_now();
   ASSERT_TRUE(report) << to_line(report.error());
   EXPECT_EQ(report->ended, "disk almost full");
+  EXPECT_TRUE(take::TakeReader::open(folder_));
+}
+
+TEST_F(RecordedSession, ADiskThatIsFullAtTheStartIsSaid) {
+  options_.least_free_bytes = 1000;
+  options_.free_bytes = [&](const std::filesystem::path&) { return 999U; };
+  EXPECT_TRUE(test::refused(record_now(), {"disk is almost full", "--keep-free"}, ErrorCode::kIo));
+  EXPECT_FALSE(std::filesystem::exists(folder_));
+}
+
+/// Segments of half a second, twice: what a restart of the service does.
+TEST_F(RecordedSession, SegmentsFollowEachOtherWithoutALossAndAfterARestart) {
+  options_.segments.length = 500ms;
+  const auto first = record_now();
+  ASSERT_TRUE(first) << to_line(first.error());
+  EXPECT_NEAR(first->takes, 4, 1);
+  auto take = take::TakeReader::open(folder_);
+  ASSERT_TRUE(take) << to_line(take.error());
+  EXPECT_EQ(take->info().frames, first->frames);
+  capture::Capture frame;
+  double last_s = -0.04;  // stamps are those of the trigger as the session estimates them
+  for (int number = 1; number <= first->frames; ++number, last_s = frame.time_s) {
+    ASSERT_TRUE(take->read(number, frame)) << number;
+    EXPECT_NEAR(frame.time_s - last_s, 0.04, 5e-3) << number << ": none is missing";
+  }
+  restart();
+  const auto again = record_now();
+  ASSERT_TRUE(again) << to_line(again.error());
+  take = take::TakeReader::open(folder_);
+  ASSERT_TRUE(take) << to_line(take.error());
+  EXPECT_EQ(take->info().frames, first->frames + again->frames);
+  EXPECT_EQ(take->info().segments, first->takes + again->takes);
+}
+
+TEST_F(RecordedSession, TheOldestSegmentsAreDeletedOnlyWhereAsked) {
+  options_.segments = {.length = 500ms, .most_bytes = 6 << 20};
+  const auto ended = record_now();  // each take holds 4 MB of reserve while it is written
+  ASSERT_TRUE(ended) << to_line(ended.error());
+  EXPECT_EQ(ended->deleted, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "0001"));
+  options_.segments.most_bytes = 1;
+  restart();
+  EXPECT_TRUE(test::refused(record_now(), {"may hold", "--drop-oldest"}, ErrorCode::kIo));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "0001"));
+  options_.segments.drop_oldest = true, options_.segments.most_bytes = 100000;
+  done_ = false;
+  const auto went_on = record_now();
+  ASSERT_TRUE(went_on) << to_line(went_on.error());
+  EXPECT_GE(went_on->deleted, 4);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "0001"));
+  EXPECT_EQ(went_on->ended, "duration");
   EXPECT_TRUE(take::TakeReader::open(folder_));
 }
 

@@ -106,6 +106,17 @@ TEST_F(Recorder, AStartAndAStopGiveATake) {
   EXPECT_EQ(recorder_.start("a b", "").error().code, ErrorCode::kUsage) << "the name is taken";
 }
 
+TEST_F(Recorder, ARecordingInSegmentsIsOneTake) {
+  CompositeRecorder recorder(session_, folder_.path() / "takes", free_gb, 0.25);
+  ASSERT_TRUE(recorder.start("day", ""));
+  for (int number = 1; number <= 7; ++number) recorder.write(frame(number));
+  ASSERT_TRUE(recorder.stop());
+  const auto source = take::TakeReader::open(folder_.path() / "takes/day/composite");
+  ASSERT_TRUE(source) << to_line(source.error());
+  EXPECT_EQ(source->info().frames, 7);
+  EXPECT_EQ(source->info().segments, 3);
+}
+
 TEST_F(Recorder, WithoutANameTakesAreNumberedAndWithoutAFrameThereIsNone) {
   EXPECT_FALSE(recorder_.stop());
   ASSERT_TRUE(recorder_.start("", ""));
