@@ -126,7 +126,7 @@ TEST_F(Service, TheRecordingIsAServiceOfItsOwnAndTakesTheDevices) {
   eventually([] { return false; }, 3s);
   ASSERT_EQ(run("systemctl start mixrig").status, 0);
   EXPECT_FALSE(is_active("mixrig-record"));
-  const Ran info = run("mixrig info /var/lib/mixrig/take-*");
+  const Ran info = run("mixrig info /var/lib/mixrig/takes");
   EXPECT_EQ(info.status, 0) << info.text;
 }
 
