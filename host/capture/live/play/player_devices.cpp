@@ -87,20 +87,22 @@ std::unique_ptr<device::Camera> Player::camera() {
 }
 
 std::unique_ptr<device::DepthCamera> Player::depth() {
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   depth_.taken = true;
+  lock.unlock();  // a camera that finds no memory is destroyed, which locks
   return device::as_depth_camera(std::make_unique<PlayedCamera>(shared_from_this(), depth_),
                                  depth_info_);
 }
 
 Result<std::unique_ptr<device::DepthCamera>> Player::depth2() {
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   if (!depth2_.pool)
     return Error{ErrorCode::kData,
                  uri_ +
                      ": has no second depth camera: record it with two [[depth]] in rig.toml; "
                      "studio: needs RIG+RIG in SCENARIO,SEED,RIG"};
   depth2_.taken = true;
+  lock.unlock();  // a camera that finds no memory is destroyed, which locks
   return device::as_depth_camera(std::make_unique<PlayedCamera>(shared_from_this(), depth2_),
                                  depth2_info_);
 }
