@@ -13,6 +13,7 @@
 
 #include "hal/base/left_partial.h"
 #include "hal/base/log.h"
+#include "hal/base/output_folder.h"
 
 namespace mixrig {
 namespace fs = std::filesystem;
@@ -57,41 +58,6 @@ bool is_locked(const fs::path& folder) {
   const bool locked = fd >= 0 && ::flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   if (fd >= 0) ::close(fd);
   return locked;
-}
-
-/// The first file or folder in `folder` that is newer than `marker`, which the program that made
-/// the folder writes last; empty where there is none. A link is not followed.
-fs::path newer_than(const fs::path& folder, const fs::path& marker) {
-  struct stat made {
-  }, now{};
-  if (::stat(marker.c_str(), &made) != 0) return {};
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, error)) {
-    if (::lstat(entry.path().c_str(), &now) != 0 || S_ISDIR(now.st_mode)) continue;
-    if (std::pair(now.st_mtim.tv_sec, now.st_mtim.tv_nsec) >
-        std::pair(made.st_mtim.tv_sec, made.st_mtim.tv_nsec))
-      return entry.path();
-  }
-  return {};
-}
-
-/// Refuses a folder that another program, or a person, has written to.
-Result<void> check_replaceable(const fs::path& folder, const char* marker) {
-  std::error_code error;
-  if (!fs::exists(folder, error)) return {};
-  if (!fs::is_directory(folder, error))
-    return Error{ErrorCode::kUsage,
-                 "output " + folder.string() + " is a file: name a folder, new or made by mixrig"};
-  if (fs::is_empty(folder, error)) return {};
-  if (!fs::exists(folder / marker, error))
-    return Error{ErrorCode::kUsage, "output " + folder.string() + " holds other files (no " +
-                                        marker + "): name a new folder"};
-  if (const fs::path theirs = newer_than(folder, folder / marker); !theirs.empty())
-    return Error{ErrorCode::kUsage, "output " + folder.string() + " holds '" +
-                                        theirs.lexically_relative(folder).string() +
-                                        "', written after its " + marker +
-                                        ": move that file, or name a new folder"};
-  return {};
 }
 
 Result<void> write_bytes(const fs::path& file_path, const fs::path& shown, std::string_view bytes) {
@@ -178,7 +144,7 @@ Result<void> PartialPath::commit() {
 Result<PartialPath> make_partial_folder(const fs::path& given, const char* marker) {
   const fs::path folder = with_suffix(given, "");
   if (folder.empty()) return Error{ErrorCode::kUsage, "the output folder has no name: name one"};
-  MIXRIG_TRY(check_replaceable(folder, marker));
+  MIXRIG_TRY(check_output_folder(folder, marker, Force::kChecked));
   MIXRIG_TRY(set_aside_left(folder));
   PartialPath partial(folder);
   std::error_code error;

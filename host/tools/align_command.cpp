@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/base/angles.h"
+#include "hal/base/output_folder.h"
 #include "hal/base/partial_path.h"
 #include "host/math/image_io/image_io.h"
 #include "host/output/report/plot.h"
@@ -115,6 +116,7 @@ Result<nlohmann::json> place(const AlignArguments& arguments, const MapJobs& job
 Result<nlohmann::json> act(const AlignArguments& arguments) {
   if (!arguments.join.empty() && !arguments.room.empty())
     return Error{ErrorCode::kUsage, "align: give one of --join, --room"};
+  MIXRIG_TRY(check_output_file(arguments.plot, kPngBegin, "--plot"));
   if (!arguments.join.empty()) return join(arguments, map_jobs());
   if (!arguments.room.empty()) return place(arguments, map_jobs());
   MIXRIG_ASSIGN(const trajectory::Trajectory a, read(arguments.a));
@@ -127,7 +129,7 @@ Result<nlohmann::json> act(const AlignArguments& arguments) {
                                        " cannot be aligned: " + estimate.verdict.reason};
   if (arguments.json != "-") print(estimate);
   if (!arguments.plot.empty()) MIXRIG_TRY(write_plot(arguments.plot, estimate.value));
-  return report;
+  return with_end(report, arguments.plot, {});
 }
 
 }  // namespace

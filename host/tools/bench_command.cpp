@@ -44,7 +44,7 @@ Result<nlohmann::json> reported(const Rungs& rungs, const std::filesystem::path&
   std::filesystem::create_directories(plot.parent_path(), ignored);
   MIXRIG_TRY(image_io::write_png(plot, report::draw(session::plot_of(rungs), {1100, 720}).view()));
   std::fputs(session::to_table(rungs).c_str(), stdout);
-  return session::to_json(rungs);
+  return with_end(session::to_json(rungs), plot.string(), {});
 }
 
 /// One of bench::kSuites, or all of them: tables, OUT/SUITE.svg, OUT/suites.json.
@@ -83,7 +83,7 @@ Result<nlohmann::json> bench_suites(const BenchArguments& arguments) {
   }
   if (bench::has_peers()) std::puts("\n* other libraries");
   MIXRIG_TRY(write_file(out / "suites.json", json.dump(2) + "\n"));
-  return json;
+  return with_end(std::move(json), out.string(), {});
 }
 
 Result<nlohmann::json> bench_latency(const BenchArguments& arguments) {
@@ -115,7 +115,7 @@ Result<nlohmann::json> bench_latency(const BenchArguments& arguments) {
   std::fputs(session::to_table(report).c_str(), stdout);
   nlohmann::json json = session::to_json(report);
   if (arguments.view) json["driver"] = shown.driver;
-  return json;
+  return with_end(std::move(json), out.string(), {});
 }
 
 /// "X,Y,W,H".

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The subcommands in the order of --help.
-#include <map>
+// The subcommands, each under its heading of --help.
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -10,11 +9,9 @@
 namespace mixrig::tools {
 namespace {
 
-constexpr const char* kLeftOut = "left out of this build";
-
 /// Adds a hidden command whose error says that this build leaves `name` out.
 [[maybe_unused]] void add_left_out(Command parent, const std::string& name, Context& context) {
-  Command command = parent.add_subcommand(name, kLeftOut);
+  Command command = parent.add_subcommand(name, "left out of this build");
   command.hide();
   command.accept_anything();
   command.callback([&context, name] {
@@ -26,83 +23,66 @@ constexpr const char* kLeftOut = "left out of this build";
   });
 }
 
-/// Puts the commands under the headings of --help. A hidden command has none.
-void add_headings(Command app) {
-  const std::map<std::string, std::string> headings{{"run", "Composite"},
-                                                    {"explain", "Composite"},
-                                                    {"place", "Composite"},
-                                                    {"plan", "Composite"},
-                                                    {"scan", "Room, pose and light"},
-                                                    {"track", "Room, pose and light"},
-                                                    {"lights", "Room, pose and light"},
-                                                    {"learn", "Room, pose and light"},
-                                                    {"align", "Room, pose and light"},
-                                                    {"record", "Takes"},
-                                                    {"info", "Takes"},
-                                                    {"new", "Takes"},
-                                                    {"studio", "Takes"},
-                                                    {"rig", "Bench"},
-                                                    {"diag", "Bench"},
-                                                    {"trigger", "Bench"},
-                                                    {"flash", "Bench"},
-                                                    {"calibrate", "Bench"},
-                                                    {"bench", "Bench"}};
-  for (Command command : app.subcommands()) {
-    const CommandText text = command.text();
-    if (const auto heading = headings.find(text.name);
-        heading != headings.end() && text.about != kLeftOut)
-      command.heading(heading->second);
-  }
+using AddCommand = void (*)(Command app, Context& context);
+
+/// Adds a command, or one more of a group, under a heading of --help.
+void add(Command app, Context& context, const char* heading, AddCommand add_command) {
+  add_command(app, context);
+  app.subcommands().back().heading(heading);
 }
 
 }  // namespace
 
 void add_commands(Command app, Context& context) {
-  add_run_command(app, context);
-  add_scan_command(app, context);
-  add_explain_command(app, context);
-  add_info_command(app, context);
-  add_trigger_command(app, context);
-  add_flash_command(app, context);
-  add_record_command(app, context);
-  add_diag_command(app, context);
-  add_rig_command(app, context);
-  add_align_command(app, context);
-  add_calibrate_external_command(app, context);
-  add_calibrate_vignetting_command(app, context);
-  add_track_command(app, context);
-  add_lights_command(app, context);
-#ifdef MIXRIG_EXTRA_PEOPLE
-  add_plan_command(app, context);
-#else
-  add_left_out(app, "plan", context);
-#endif
-  add_place_command(app, context);
-#ifdef MIXRIG_EXTRA_STUDIO
-  add_new_command(app, context);
-  add_studio_command(app, context);
-  add_bench_command(app, context);
-#else
-  for (const char* name : {"new", "studio", "bench"}) add_left_out(app, name, context);
-#endif
-#ifdef MIXRIG_EXTRA_MAP
-  add_learn_command(app, context);
-#else
-  add_left_out(app, "learn", context);
-#endif
+  const auto under = [&](const char* heading) {
+    return [&, heading](AddCommand command) { add(app, context, heading, command); };
+  };
+  const auto composite = under("Composite"), room = under("Room, pose and light"),
+             takes = under("Takes"), bench = under("Bench");
+  composite(add_run_command);
+  composite(add_explain_command);
+  composite(add_place_command);
+  room(add_scan_command);
+  room(add_track_command);
+  room(add_lights_command);
+  room(add_align_command);
+  takes(add_record_command);
+  takes(add_info_command);
+  bench(add_rig_command);
+  bench(add_diag_command);
+  bench(add_trigger_command);
+  bench(add_flash_command);
+  bench(add_calibrate_external_command);  // these share one group, and stay side by side
+  bench(add_calibrate_vignetting_command);
 #ifdef MIXRIG_CALIBRATE
-  add_calibrate_intrinsics_command(app, context);
-  add_calibrate_lens_command(app, context);
-  add_calibrate_views_command(app, context);
-  add_calibrate_rig_command(app, context);
-  add_calibrate_ptu_command(app, context);
+  bench(add_calibrate_intrinsics_command);
+  bench(add_calibrate_lens_command);
+  bench(add_calibrate_views_command);
+  bench(add_calibrate_rig_command);
+  bench(add_calibrate_ptu_command);
 #else
   Command calibrate = app.group("calibrate", "calibrate cameras and rig");
   for (const char* name : {"intrinsics", "lens", "views", "rig", "tof", "ptu"})
     add_left_out(calibrate, name, context);
 #endif
+#ifdef MIXRIG_EXTRA_PEOPLE
+  composite(add_plan_command);
+#else
+  add_left_out(app, "plan", context);
+#endif
+#ifdef MIXRIG_EXTRA_STUDIO
+  takes(add_new_command);
+  takes(add_studio_command);
+  bench(add_bench_command);
+#else
+  for (const char* name : {"new", "studio", "bench"}) add_left_out(app, name, context);
+#endif
+#ifdef MIXRIG_EXTRA_MAP
+  room(add_learn_command);
+#else
+  add_left_out(app, "learn", context);
+#endif
   add_help_pages_command(app, context);
-  add_headings(app);
 }
 
 }  // namespace mixrig::tools

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hal/base/output_folder.h"
 #include "hal/base/percentile.h"
 #include "host/capture/take/repair.h"
 #include "host/capture/take/take.h"
@@ -228,11 +229,12 @@ Result<nlohmann::json> repair(const InfoArguments& arguments) {
   std::printf("%s\n", made.what.c_str());
   MIXRIG_ASSIGN(nlohmann::json report, info_take(made.take.string(), arguments.depth));
   report["repaired"] = made.folder.string();
-  return report;
+  return with_end(std::move(report), made.take.string(), {});
 }
 
 Result<nlohmann::json> info(const InfoArguments& arguments) {
   if (arguments.repair) return repair(arguments);
+  MIXRIG_TRY(check_output_file(arguments.picture, kPngBegin, "--picture"));
   if (model::is_room(arguments.of)) {
     if (arguments.depth)
       return Error{ErrorCode::kUsage, "'" + arguments.of +

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +15,7 @@
 #include <unistd.h>
 
 #include "hal/base/log.h"
+#include "hal/base/output_folder.h"
 #include "hal/base/partial_path.h"
 #include "host/render/cpu/compositor_cpu.h"
 #include "host/tools/command.h"
@@ -78,13 +78,8 @@ int exit_status(const Error& error) {
 /// Checks before the work that the report can be written.
 Result<void> check_json_path(const std::string& path) {
   if (path.empty() || path == kStdout) return {};
+  MIXRIG_TRY(check_output_file(path, "{", "--json"));
   std::error_code code;
-  if (std::filesystem::is_directory(path, code))
-    return Error{ErrorCode::kUsage, "--json " + path + ": is a folder: name a file"};
-  if (char first = '{';
-      std::filesystem::is_regular_file(path, code) && (std::ifstream(path) >> first, first != '{'))
-    return Error{ErrorCode::kUsage,
-                 "--json " + path + ": is no report: name another file, that one is kept"};
   const auto folder = std::filesystem::absolute(path).parent_path();
   if (std::filesystem::is_directory(folder, code)) return {};
   return Error{ErrorCode::kUsage,

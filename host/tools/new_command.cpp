@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hal/base/output_folder.h"
 #include "hal/base/partial_path.h"
 #include "host/math/config/table.h"
 #include "host/tools/command.h"
@@ -45,7 +46,7 @@ std::string commented(std::string scene) {
 }
 
 Result<nlohmann::json> make_folder(const std::string& folder, bool force) {
-  MIXRIG_TRY(check_new_folder(folder, force));
+  MIXRIG_TRY(check_output_folder(folder, "take.toml", force ? Force::kYes : Force::kNo));
   studio::StudioOptions options;
   options.size_px = {320, 256}, options.frames = 24, options.seed = 11;
   options.realism = {};

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/tools/options.h"
 
-#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <memory>
 
-#include "hal/base/log.h"
 #include "host/tools/command.h"
 #include "host/tools/extras.h"
 
@@ -68,23 +66,6 @@ Result<Size> parse_size(const std::string& text, const std::string& option) {
     return Error{ErrorCode::kUsage,
                  option + " \"" + text + "\" is not a size: give WIDTHxHEIGHT, 1 to 16384 each"};
   return Size{sides->first, sides->second};
-}
-
-Result<void> check_new_folder(const std::string& out, bool force) {
-  namespace fs = std::filesystem;
-  std::error_code code;
-  if (!fs::is_directory(out, code) || fs::is_empty(out, code)) return {};
-  const bool is_take = fs::exists(fs::path(out) / "take.toml", code);
-  const bool is_ours = is_take || fs::exists(fs::path(out) / "views.toml", code);
-  const auto is_file = [&](const fs::directory_entry& entry) { return !entry.is_directory(code); };
-  const auto files = std::count_if(fs::recursive_directory_iterator(out, code), {}, is_file);
-  const std::string holds =
-      "'" + out + "' holds " + (is_take ? "a take, files: " : "files: ") + std::to_string(files);
-  if (!is_ours) return Error{ErrorCode::kUsage, holds + ": give another folder"};
-  if (!force)
-    return Error{ErrorCode::kUsage, holds + ": give another folder, or --force to replace it"};
-  log_warning("files", holds + "; --force replaces all of it");
-  return {};
 }
 
 void add_backend_options(Command command, SessionArguments& arguments) {

@@ -19,10 +19,6 @@ Result<FrameRange> parse_range(const std::string& text, const std::string& optio
 /// Parses "WxH", 1..16384 a side. Errors: kUsage.
 Result<Size> parse_size(const std::string& text, const std::string& option);
 
-/// Refuses a folder `out` that holds anything; with `force` a warning says what is replaced.
-/// Errors: kUsage.
-Result<void> check_new_folder(const std::string& out, bool force);
-
 /// Arguments of the command line: SCENE, --source, --calibration, --backend, --threads, --size.
 struct SessionArguments {
   std::string scene, source, calibration, backend = "auto", size;

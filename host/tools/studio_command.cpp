@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/base/angles.h"
+#include "hal/base/output_folder.h"
 #include "host/room/scan/sweep_plan.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
@@ -360,6 +361,7 @@ void add_studio_command(Command app, Context& context) {
   Command command =
       app.add_subcommand("studio", "render a take with ground truth in the virtual studio");
   command.add_option("OUT", arguments->out, "Folder of the take").required();
+  command.add_flag("--force", arguments->force, "Replace the take or the views that OUT holds");
   const auto with_default = [&](const char* name, auto& value, const char* what) {
     command.add_option(name, value, what).show_default();
   };
@@ -417,12 +419,13 @@ void add_studio_command(Command app, Context& context) {
   add_board_options(command, *arguments);
   add_sweep_options(command, *arguments);
   add_day_options(command, *arguments);
-  command.add_flag("--force", arguments->force, "Replace the folder OUT");
   command.callback([arguments, command, &context] {
     context.action = [arguments, command]() -> Result<nlohmann::json> {
       MIXRIG_TRY(check_scenario(command, arguments->scenario));
-      MIXRIG_TRY(check_new_folder(arguments->out, arguments->force));
-      return arguments->scenario == kBoardScenario ? render_board(*arguments) : render(*arguments);
+      const bool is_board = arguments->scenario == kBoardScenario;
+      MIXRIG_TRY(check_output_folder(arguments->out, is_board ? "views.toml" : "take.toml",
+                                     arguments->force ? Force::kYes : Force::kNo));
+      return is_board ? render_board(*arguments) : render(*arguments);
     };
   });
 }

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "hal/base/log.h"
 #include "hal/base/partial_path.h"
 
 namespace mixrig::calibration_file {
@@ -32,6 +33,26 @@ void merge_named(std::vector<T>& into, const std::vector<T>& newer) {
     else
       *at = item;
   }
+}
+
+template <typename T>
+void add_replaced(std::string& out, const std::string& what, const T* old) {
+  if (old == nullptr) return;
+  out += (out.empty() ? "" : ", ") + what;
+  if (!old->origin.date.empty()) out += " of " + old->origin.date;
+}
+
+/// What merge() replaces: "camera target of 2026-01-31T10:00:00Z, pose tof"; may be empty.
+std::string replaced(const Calibration& old, const Calibration& newer) {
+  const auto both = [](const auto& a, const auto& b) { return a && b ? &*a : nullptr; };
+  std::string out;
+  for (const auto& camera : newer.cameras)
+    add_replaced(out, "camera " + camera.name, old.camera(camera.name));
+  for (const auto& pose : newer.poses) add_replaced(out, "pose " + pose.name, old.pose(pose.name));
+  add_replaced(out, "depth_error", both(old.depth_error, newer.depth_error));
+  add_replaced(out, "depth_error2", both(old.depth_error2, newer.depth_error2));
+  add_replaced(out, "pan_tilt", both(old.pan_tilt, newer.pan_tilt));
+  return out;
 }
 
 }  // namespace
@@ -67,6 +88,8 @@ Result<void> update_calibration(const std::filesystem::path& path, const Calibra
   std::error_code code;
   if (!std::filesystem::exists(path, code)) return write_calibration(path, newer);
   MIXRIG_ASSIGN(Calibration whole, read_calibration(path));
+  const std::string old = replaced(whole, newer);
+  if (!old.empty()) log_warning("calibrate", path.string() + ": replaces " + old);
   merge(whole, newer);
   return write_calibration(path, whole);
 }

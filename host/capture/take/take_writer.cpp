@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "hal/base/left_partial.h"
+#include "hal/base/output_folder.h"
 #include "hal/base/partial_path.h"
 #include "host/capture/take/disk_sync.h"
 #include "host/capture/take/frame_tables.h"
@@ -147,11 +148,7 @@ TakeWriter::~TakeWriter() = default;
 
 Result<TakeWriter> TakeWriter::create(const fs::path& folder, const TakeInfo& info,
                                       StreamFormat format) {
-  std::error_code error;
-  if (fs::exists(folder, error) && !fs::exists(folder / kManifestName, error) &&
-      !fs::is_empty(folder, error))
-    return Error{ErrorCode::kUsage,
-                 "'" + folder.string() + "' exists and is not a take: give another folder"};
+  MIXRIG_TRY(check_output_folder(folder, kManifestName, Force::kChecked));
   MIXRIG_TRY(set_aside_left(folder));
   auto state = std::make_unique<State>(folder, info, format);
   MIXRIG_TRY(make_take_folder(state->partial.path()));

@@ -121,7 +121,8 @@ Result<nlohmann::json> calibrate(const ExternalArguments& arguments) {
     MIXRIG_ASSIGN(calibration.poses.emplace_back(), entry_of(input, *found, arguments));
     MIXRIG_TRY(calibration_file::update_calibration(arguments.calibration, calibration));
   }
-  return report_of(*found);
+  return with_end(report_of(*found), arguments.calibration,
+                  arguments.calibration.empty() ? "give --calibration FILE to keep the pose" : "");
 }
 
 }  // namespace

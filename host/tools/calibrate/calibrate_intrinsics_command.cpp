@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/base/log.h"
+#include "hal/base/output_folder.h"
 #include "hal/base/partial_path.h"
 #include "host/capture/calibration_file/calibration.h"
 #include "host/capture/calibration_file/exchange.h"
@@ -134,7 +135,22 @@ void warn_of_losses(const IntrinsicsArguments& arguments, const Intrinsics& in) 
               "alone (--out)");
 }
 
+/// Refuses an output that would replace a picture of the board, or another kind of file.
+Result<void> check_outputs(const IntrinsicsArguments& arguments) {
+  std::error_code code;
+  for (const std::string& image : arguments.images)
+    if (!arguments.picture.empty() && fs::equivalent(arguments.picture, image, code))
+      return Error{ErrorCode::kUsage,
+                   "--picture " + arguments.picture +
+                       ": is one of IMAGES: name another file, that one is kept"};
+  MIXRIG_TRY(check_output_file(arguments.picture, kPngBegin, "--picture"));
+  MIXRIG_TRY(check_output_file(arguments.opencv, "%YAML", "--opencv"));
+  MIXRIG_TRY(check_output_file(arguments.kalibr, "cam0", "--kalibr"));
+  return check_output_file(arguments.mrcal, "{", "--mrcal");
+}
+
 Result<nlohmann::json> calibrate(const IntrinsicsArguments& arguments) {
+  MIXRIG_TRY(check_outputs(arguments));
   MIXRIG_ASSIGN(const BoardSpec board, calibration::parse_board(arguments.board));
   calibration::IntrinsicsOptions options;
   options.kind =
@@ -163,7 +179,8 @@ Result<nlohmann::json> calibrate(const IntrinsicsArguments& arguments) {
   warn_of_losses(arguments, *solved);
   MIXRIG_TRY(write_files(arguments, *solved, map));
   print(arguments.camera, all, *solved, map, advice, why);
-  return report_of(arguments.camera, all, *solved, map, advice, why);
+  return with_end(report_of(arguments.camera, all, *solved, map, advice, why), arguments.out,
+                  arguments.out.empty() ? "give --out FILE to keep the camera" : "");
 }
 
 }  // namespace

@@ -82,7 +82,9 @@ Result<json> calibrate(const PtuArguments& arguments) {
     MIXRIG_TRY(calibration_file::update_calibration(arguments.out, report.calibration));
   }
   print(report);
-  return report_of(report);
+  return with_end(report_of(report), arguments.out,
+                  arguments.out.empty() ? "give --out FILE to keep the axes"
+                                        : "mixrig scan ROOM --rig RIG.TOML");
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <memory>
 
+#include "hal/base/output_folder.h"
 #include "host/capture/live/session/live_source.h"
 #include "host/capture/open/open_source.h"
 #include "host/tools/calibrate/collect_views.h"
@@ -58,7 +59,7 @@ Result<nlohmann::json> take_views(const ViewsArguments& given) {
                  "calibrate views: give one of --rig RIG.TOML (cameras now) and --source take:DIR "
                  "(a recording)"};
   MIXRIG_ASSIGN(const CollectArguments arguments, collect_arguments(given));
-  MIXRIG_TRY(check_new_folder(given.out, given.force));
+  MIXRIG_TRY(check_output_folder(given.out, "views.toml", given.force ? Force::kYes : Force::kNo));
   SystemClock clock;
   const StopOnSignal signals;
   if (!given.turn.empty()) {

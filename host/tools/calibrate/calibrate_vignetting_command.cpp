@@ -21,8 +21,8 @@ Result<nlohmann::json> take_over(const VignettingArguments& arguments) {
   if (room.vignetting.is_none())
     return Error{ErrorCode::kData,
                  arguments.room +
-                     ": the overlaps of its views show no dark corners, or it was "
-                     "scanned with --no-gains: nothing to calibrate"};
+                     ": the overlaps of its views show no dark corners, nothing to "
+                     "calibrate"};
   MIXRIG_ASSIGN(calibration_file::Calibration known,
                 calibration_file::read_calibration(arguments.out));
   for (calibration_file::CalibratedCamera& camera : known.cameras)
@@ -31,8 +31,9 @@ Result<nlohmann::json> take_over(const VignettingArguments& arguments) {
       MIXRIG_TRY(calibration_file::write_calibration(arguments.out, known));
       const double corners_pct = 100 * (1 - 1 / room.vignetting.factor(1));
       std::printf("the corners of the picture are %.1f %% darker than its middle\n", corners_pct);
-      return nlohmann::json{{"vignetting", {room.vignetting.a, room.vignetting.b}},
-                            {"corners_pct", corners_pct}};
+      return with_end(
+          {{"vignetting", {room.vignetting.a, room.vignetting.b}}, {"corners_pct", corners_pct}},
+          arguments.out, "");
     }
   return Error{ErrorCode::kUsage, arguments.out + ": has no camera \"target\": calibrate it first"};
 }

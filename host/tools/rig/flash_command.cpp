@@ -189,7 +189,7 @@ Result<nlohmann::json> flash(const FlashArguments& arguments) {
   report["bootloader"] = target.info.name;
   report["commands_repeated"] = print_noise(target);
   MIXRIG_ASSIGN(report["running"], start_firmware(target, clock, arguments, wanted));
-  return report;
+  return with_end(std::move(report), {}, "mixrig trigger status --self-test");
 }
 
 }  // namespace

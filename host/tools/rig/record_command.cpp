@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hal/base/output_folder.h"
 #include "hal/linux/service_notify.h"
 #include "host/capture/live/rig/rig_config.h"
 #include "host/capture/live/session/record.h"
@@ -72,7 +73,10 @@ void print(const RecordArguments& arguments, const live::RecordReport& report) {
 
 Result<nlohmann::json> record(const RecordArguments& arguments) {
   MIXRIG_ASSIGN(const live::Segments segments, segments_of(arguments));
-  if (!segments.any()) MIXRIG_TRY(check_new_folder(arguments.out, arguments.force));
+  if (!segments.any()) {
+    MIXRIG_TRY(check_output_folder(arguments.out, "take.toml",
+                                   arguments.force ? Force::kYes : Force::kNo));
+  }
   MIXRIG_ASSIGN(const live::RigConfig config, live::read_rig(arguments.rig));
   SystemClock clock;
   MIXRIG_ASSIGN(live::Devices devices,

@@ -49,8 +49,9 @@ Result<nlohmann::json> learn(const LearnArguments& arguments) {
   };
   auto report = session::learn_map(options);
   bar.reset();
-  if (report) print_learned(*report);
-  return report;
+  if (!report) return report;
+  print_learned(*report);
+  return with_end(*std::move(report), arguments.out, {});
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hal/base/output_folder.h"
 #include "host/room/lamps/lights.h"
 #include "host/scene/scene.h"
 #include "host/tools/command.h"
@@ -61,6 +62,7 @@ Result<session::BracketFile> bracket_file(const std::string& text) {
 }
 
 Result<nlohmann::json> find(const LightsArguments& arguments) {
+  MIXRIG_TRY(check_output_file(arguments.drawing, kPngBegin, "--draw"));
   session::LightsOptions options;
   options.take = arguments.take, options.room = arguments.model, options.poses = arguments.poses;
   options.poses_of_fisheye = arguments.poses_camera == "fisheye";
@@ -86,7 +88,8 @@ Result<nlohmann::json> find(const LightsArguments& arguments) {
                                          " stays as it is; --draw shows the candidates"};
     MIXRIG_TRY(session::write_lights(found, arguments.scene));
   }
-  return session::to_json(found);
+  return with_end(session::to_json(found), arguments.scene,
+                  arguments.scene.empty() ? "give --scene FILE to keep the lamps" : "");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/base/angles.h"
+#include "hal/base/output_folder.h"
 #include "host/operator/desk/place.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
@@ -32,6 +33,7 @@ Result<Eigen::Vector2d> parse_pair(const std::string& text, const std::string& o
 }
 
 Result<nlohmann::json> place(const PlaceArguments& arguments) {
+  MIXRIG_TRY(check_output_file(arguments.drawing, kPngBegin, "--draw"));
   session::PlaceOptions options;
   MIXRIG_ASSIGN(options.session, session_options(arguments.session));
   MIXRIG_ASSIGN(options.click.px, parse_pair(arguments.pixel, "--pixel"));
@@ -56,7 +58,9 @@ Result<nlohmann::json> place(const PlaceArguments& arguments) {
       placement.object.c_str(), p.x(), p.y(), p.z(), json["normal_sigma_deg"].get<double>(),
       json["offset_sigma_mm"].get<double>(), placement.plane.area_m2);
   if (!arguments.dry) MIXRIG_TRY(session::write_placement(placement, arguments.session.scene));
-  return json;
+  return arguments.dry ? with_end(json, {}, "leave --dry-run out to set it")
+                       : with_end(json, arguments.session.scene,
+                                  "mixrig run " + arguments.session.scene + " --out FOLDER");
 }
 
 }  // namespace

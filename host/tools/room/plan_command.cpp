@@ -80,7 +80,7 @@ Result<nlohmann::json> make(const PlanArguments& arguments) {
   print(plan);
   if (options.places > 0 && plan.places.empty())
     std::printf("no place: the floor is not free for such a box, or people walk there\n");
-  return session::to_json(plan);
+  return with_end(session::to_json(plan), arguments.out, "look at " + arguments.out + "/plan.png");
 }
 
 }  // namespace

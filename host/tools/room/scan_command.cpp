@@ -109,7 +109,8 @@ Result<nlohmann::json> model_room(const ScanArguments& arguments, const std::fil
   const SystemClock clock;
   const HostTime begin = clock.now();
   MIXRIG_TRY(session::save_room(room, options.calibration, arguments.out));
-  return room_report(room, seconds(clock.now() - begin));
+  return with_end(room_report(room, seconds(clock.now() - begin)), arguments.out,
+                  "mixrig info " + arguments.out);
 }
 
 Result<nlohmann::json> scan_sweep(const ScanArguments& arguments) {
@@ -191,7 +192,8 @@ Result<nlohmann::json> scan_still(const ScanArguments& arguments) {
                                           progress_bar(), poses.get()));
   MIXRIG_TRY(model::save(background, arguments.out));
   print(background);
-  return errors_json(background);
+  return with_end(errors_json(background), arguments.out,
+                  "name it in scene.toml: background.model = \"" + arguments.out + "\"");
 }
 
 Result<nlohmann::json> scan(const ScanArguments& arguments) {

@@ -10,6 +10,7 @@
 #include "hal/base/angles.h"
 #include "host/room/registration/room_merge.h"
 #include "host/run/report/run_report.h"
+#include "host/tools/command.h"
 
 namespace mixrig::tools {
 namespace {
@@ -82,11 +83,15 @@ Result<nlohmann::json> scan_merge(const ScanMergeOptions& options, const std::st
     registrations.push_back(registration_json(joined.registrations[i], i + 2));
   std::printf("%zu triangles, %zu in the rooms alone; %.2f s, %.2f of it to register\n",
               joined.triangles, joined.triangles_alone, joined.seconds, joined.register_seconds);
-  return nlohmann::json{
-      {"rooms", merge.rooms.size()},         {"registrations", registrations},
-      {"triangles", joined.triangles},       {"triangles_alone", joined.triangles_alone},
-      {"seconds", joined.seconds},           {"register_seconds", joined.register_seconds},
-      {"mesh_seconds", joined.mesh_seconds}, {"rss_mb", session::peak_rss_mb()}};
+  return with_end(nlohmann::json{{"rooms", merge.rooms.size()},
+                                 {"registrations", registrations},
+                                 {"triangles", joined.triangles},
+                                 {"triangles_alone", joined.triangles_alone},
+                                 {"seconds", joined.seconds},
+                                 {"register_seconds", joined.register_seconds},
+                                 {"mesh_seconds", joined.mesh_seconds},
+                                 {"rss_mb", session::peak_rss_mb()}},
+                  merge.out.string(), "mixrig info " + merge.out.string());
 }
 
 }  // namespace mixrig::tools

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/base/angles.h"
+#include "hal/base/output_folder.h"
 #include "hal/base/partial_path.h"
 #include "host/capture/calibration_file/calibration.h"
 #include "host/pose/mocap/live.h"
@@ -179,7 +180,7 @@ Result<nlohmann::json> track_in_room(const TrackArguments& arguments) {
                                        ": the room explains none of its pictures: is it a take of "
                                        "this room, and is the camera calibrated?"};
   if (!arguments.tum.empty()) MIXRIG_TRY(write_file(arguments.tum, session::to_tum(track)));
-  return json;
+  return with_end(json, arguments.tum, {});
 }
 
 Result<nlohmann::json> track_by_map(const TrackArguments& arguments, const MapJobs& jobs) {
@@ -200,6 +201,8 @@ Result<nlohmann::json> track(const TrackArguments& arguments) {
   if (sources != 1)
     return Error{ErrorCode::kUsage,
                  "track: give one of --mocap, --model with --take, --map with --take"};
+  MIXRIG_TRY(check_output_file(arguments.tum, kTrajectoryBegin, "OUT"));
+  MIXRIG_TRY(check_output_file(arguments.out, kTrajectoryBegin, "--out"));
   if (!arguments.map.empty()) {
     if (arguments.take.empty())
       return Error{ErrorCode::kUsage,
@@ -224,11 +227,12 @@ Result<nlohmann::json> track(const TrackArguments& arguments) {
                  arguments.mocap + ": no frame has a pose" +
                      (track->refused.empty() ? "" : ": " + track->refused.begin()->first)};
   if (!arguments.out.empty()) MIXRIG_TRY(write_file(arguments.out, mocap::to_tum(*track)));
-  return nlohmann::json{{"frames", track->frames},
-                        {"poses", track->poses.size()},
-                        {"residual_rms_m", track->residual_rms_m},
-                        {"refused", track->refused},
-                        {"live", all.live ? to_json(*all.live) : nlohmann::json()}};
+  return with_end({{"frames", track->frames},
+                   {"poses", track->poses.size()},
+                   {"residual_rms_m", track->residual_rms_m},
+                   {"refused", track->refused},
+                   {"live", all.live ? to_json(*all.live) : nlohmann::json()}},
+                  arguments.out, {});
 }
 
 }  // namespace

@@ -9,6 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "hal/base/output_folder.h"
+
 namespace mixrig {
 namespace {
 namespace fs = std::filesystem;
@@ -68,6 +70,32 @@ TEST_F(PartialPathTest, KeepsWhatSomebodyAddedToItsFolder) {
   EXPECT_NE(folder.error().context.find("'matte/notes.txt'"), std::string::npos)
       << folder.error().context;
   EXPECT_TRUE(fs::exists(notes));
+}
+
+TEST_F(PartialPathTest, ARecordingIsReplacedByForceAlone) {
+  fs::create_directory(root_ / "take");
+  touch(root_ / "take" / "take.toml");
+  touch(root_ / "take" / "notes.txt");
+  const auto asked = check_output_folder(root_ / "take", "take.toml", Force::kNo);
+  ASSERT_FALSE(asked);
+  EXPECT_EQ(asked.error().code, ErrorCode::kUsage);
+  for (const char* word : {"a take", "files: 2", "--force"})
+    EXPECT_NE(asked.error().context.find(word), std::string::npos) << asked.error().context;
+  EXPECT_TRUE(check_output_folder(root_ / "take", "take.toml", Force::kYes));
+  EXPECT_FALSE(check_output_folder(root_ / "take", "views.toml", Force::kYes)) << "no views";
+  EXPECT_TRUE(check_output_folder(root_ / "new", "take.toml", Force::kNo));
+}
+
+TEST_F(PartialPathTest, AnOutputFileReplacesItsKindAlone) {
+  for (const auto& [text, may] : {std::pair("# t x y z qx of a room\n", true), std::pair("", true),
+                                  std::pair("[camera]\n", false), std::pair("# t", false)}) {
+    std::ofstream(root_ / "poses.tum") << text;
+    EXPECT_EQ(check_output_file(root_ / "poses.tum", kTrajectoryBegin, "OUT").has_value(), may)
+        << text;
+  }
+  EXPECT_TRUE(check_output_file("/dev/null", kTrajectoryBegin, "OUT"));
+  EXPECT_TRUE(check_output_file(root_ / "new.tum", kTrajectoryBegin, "OUT"));
+  EXPECT_FALSE(check_output_file(root_, kTrajectoryBegin, "OUT"));
 }
 
 TEST_F(PartialPathTest, AFileKeepsItsRights) {

@@ -124,7 +124,12 @@ TEST(CalibrationFile, UpdatesOneEntryAndKeepsTheOthers) {
   ASSERT_TRUE(update_calibration(path, whole()));
   Calibration newer;
   newer.cameras = {some_camera("target", LensKind::kFisheye)};
-  ASSERT_TRUE(update_calibration(path, newer));
+  ::testing::internal::CaptureStderr();
+  const auto updated = update_calibration(path, newer);
+  const std::string told = ::testing::internal::GetCapturedStderr();
+  ASSERT_TRUE(updated);
+  EXPECT_NE(told.find("calibration.toml: replaces camera target of "), std::string::npos) << told;
+  EXPECT_EQ(told.find("pose"), std::string::npos) << told;
   const auto read = read_calibration(path);
   ASSERT_TRUE(read) << read.error().context;
   ASSERT_EQ(read->cameras.size(), 2U);

@@ -42,6 +42,11 @@ Spoil theirs(const std::string& folder) {
   };
 }
 
+void one_marker(const TinyTake& t) {
+  theirs("theirs")(t);
+  t.text("m.csv", "frame,t_s,id,x_m,y_m,z_m,qx,qy,qz,qw\n1,0,1,0,0,0,0,0,0,1\n");
+}
+
 /// The folder of an earlier run, to which somebody has added a file.
 void notes_in_out(const TinyTake& t) {
   fs::create_directory(t.path("out"));
@@ -72,14 +77,20 @@ std::vector<Row> rows_of_words() {
       {"MisspeltSubcommand", "calibrate extrenal", 2, {"calibrate", "did you mean external"}},
       {"NoSubcommand", "rig", 2, {"rig", "init"}},
       {"OneArgumentTooMany", run + " take", 2, {"'take' is one argument too many"}},
-      {"JsonOverAScene", run + " --json scene.toml", 2, {"scene.toml", "no report"}},
+      {"JsonOverAScene", run + " --json scene.toml", 2, {"scene.toml", "something else"}},
       {"OutWithNotes", run, 2, {"out", "'notes.txt'", "report.json"}, notes_in_out},
       {"ScanOverNotes",
        "scan --static take --frames 1-3 theirs",
        2,
        {"theirs", "background.toml"},
        theirs("theirs")},
-      {"ForceOverOthers", "record theirs --force", 2, {"'theirs'", "another"}, theirs("theirs")},
+      {"ForceOverOthers", "record theirs --force", 2, {"'theirs'", "new folder"}, theirs("theirs")},
+      {"TrajectoryOverATake",
+       "track --mocap m.csv --up z --out take/take.toml",
+       2,
+       {"--out", "take.toml", "something else"},
+       one_marker},
+      {"PlotOverATrajectory", "align m.csv m.csv --plot m.csv", 2, {"--plot", "m.csv"}, one_marker},
       {"SourceOfNothing", "run scene.toml --source no", 2, {"\"no\"", "take:DIR"}},
   };
 }
@@ -151,6 +162,12 @@ std::vector<Row> rows_of_extras() {
                  1,
                  {"\"studio\"", "MIXRIG_EXTRAS"}});
 #endif
+#ifdef MIXRIG_CALIBRATE
+  const std::string view = "take/color/000001.png",
+                    lens = "calibrate intrinsics " + view + " --board checkerboard:9x6:25mm ";
+  all.push_back({"PictureOverAView", lens + "--picture " + view, 2, {"--picture", view, "kept"}});
+  all.push_back({"OpencvOverAScene", lens + "--opencv scene.toml", 2, {"--opencv", "scene.toml"}});
+#endif
 #ifndef MIXRIG_EXTRA_MAP
   all.push_back({"MapLeftOut", "track --map map --take take", 1, {"\"map\"", "MIXRIG_EXTRAS"}});
 #endif
@@ -180,11 +197,6 @@ void floor_without_background(const TinyTake& t) {
   t.edit("scene.toml", "\"identity\"", "\"floor\"");
   t.edit("scene.toml", "[background]\nlearn = [1, 3]\n", "");
 }
-void one_marker(const TinyTake& t) {
-  theirs("theirs")(t);
-  t.text("m.csv", "frame,t_s,id,x_m,y_m,z_m,qx,qy,qz,qw\n1,0,1,0,0,0,0,0,0,1\n");
-}
-
 std::vector<Row> rows() {
   const std::string run = kRun, no_out = "run scene.toml --source ";
   const std::string calibrated = "scan --static take --frames 1-3 out --backend cpu --calibration ";

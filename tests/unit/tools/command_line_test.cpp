@@ -94,6 +94,8 @@ TEST(CommandLine, ScanGivesABackgroundThatRunTakes) {
   const Outcome scan = take.mixrig("scan --static take --frames 1-3 bg --backend cpu");
   ASSERT_EQ(scan.status, 0) << scan.err;
   EXPECT_NE(scan.out.find("100.0 %"), std::string::npos) << scan.out;
+  EXPECT_NE(scan.out.find("\ndone: wrote bg, "), std::string::npos) << scan.out;
+  EXPECT_NE(scan.out.find("background.model = \"bg\""), std::string::npos) << scan.out;
   take.edit("scene.toml", "learn = [1, 3]", "model = \"bg\"");
   const std::string words = "run scene.toml --source take:take --out out --backend cpu";
   EXPECT_EQ(take.mixrig(words).status, 0);
