@@ -92,16 +92,17 @@ void Hub::act(Action action, std::function<void(Result<void>)> done) {
 }
 
 void Hub::get_take_picture(GetTakePicture wanted, std::function<void(Result<std::string>)> done) {
-  if (at_work >= kMostAtWork)
-    return done(Error{ErrorCode::kData, "64 changes are waiting: ask more slowly"});
-  ++at_work;
-  boost::asio::post(work, [this, wanted = std::move(wanted), done = std::move(done)]() mutable {
-    auto result = std::make_shared<Result<std::string>>(take_jpeg(op, wanted));
-    boost::asio::post(io, [this, result, done = std::move(done)] {
-      --at_work;
-      done(std::move(*result));
-    });
-  });
+  if (take_pictures >= kMostTakePictures)
+    return done(Error{ErrorCode::kData, "8 pictures of takes are waiting: ask more slowly"});
+  ++take_pictures;
+  boost::asio::post(take_work,
+                    [this, wanted = std::move(wanted), done = std::move(done)]() mutable {
+                      auto result = std::make_shared<Result<std::string>>(take_jpeg(op, wanted));
+                      boost::asio::post(io, [this, result, done = std::move(done)] {
+                        --take_pictures;
+                        done(std::move(*result));
+                      });
+                    });
 }
 
 void Hub::tell() {

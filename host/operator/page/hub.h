@@ -60,7 +60,8 @@ struct Hub {
   /// Runs an action. Orders are given at once; commands run in the work thread, one at a time, and
   /// are refused (kData) while 64 wait. `done` is called on the server's thread.
   void act(Action action, std::function<void(Result<void>)> done);
-  /// Gets a picture of a recording as JPEG, in the work thread, as act() does.
+  /// Gets a picture of a recording as JPEG, in the thread `take_work`, one at a time; refused
+  /// (kData) while 8 wait. `done` is called on the server's thread.
   void get_take_picture(GetTakePicture wanted, std::function<void(Result<std::string>)> done);
   /// Sends what changed to every event socket and to the control surfaces that use OSC.
   void tell();
@@ -83,8 +84,10 @@ struct Hub {
   OscPort* osc = nullptr;  ///< null: OSC is not received
   constexpr static int kMostAtWork = 64;
   int at_work = 0;  ///< commands that are not done yet
+  constexpr static int kMostTakePictures = 8;
+  int take_pictures = 0;  ///< pictures of recordings that are not decoded yet
   boost::asio::io_context io{1};
-  boost::asio::thread_pool work{1}, peer_work{1};
+  boost::asio::thread_pool work{1}, take_work{1}, peer_work{1};
   std::shared_ptr<Outlet> outlet = std::make_shared<Outlet>(io);
 };
 

@@ -197,8 +197,10 @@ Server::Impl::~Impl() {
   if (thread.joinable()) thread.join();
   hub.outlet->close();
   for (WebrtcSocket* socket : hub.peer_sockets) socket->end();
-  hub.work.stop();
-  hub.work.join();
+  for (asio::thread_pool* work : {&hub.work, &hub.take_work}) {
+    work->stop();
+    work->join();
+  }
   hub.peer_work.join();
 }
 

@@ -26,6 +26,13 @@ class FakeOperator final : public Operator {
     return {};
   }
   Result<Image<Rgb8>> take_picture(const std::string& take, int frame) override {
+    if (take == "slow") {
+      std::unique_lock lock(mutex_);
+      ++slow_pictures_;
+      changed_.notify_all();
+      changed_.wait(lock, [&] { return !holds_pictures_; });
+      return Image<Rgb8>({16, 8}, {10, 200, 10});
+    }
     if (take == "take 1" && frame <= 3) return Image<Rgb8>({16, 8}, {200, 10, 10});
     return Error{ErrorCode::kNotFound, "there is no frame " + std::to_string(frame)};
   }
@@ -37,6 +44,16 @@ class FakeOperator final : public Operator {
     const std::lock_guard lock(mutex_);
     state_ = state;
   }
+  /// Waits until take_picture() was called for the take "slow", which waits until release().
+  void wait_for_slow_picture() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return slow_pictures_ > 0; });
+  }
+  void release() {
+    const std::lock_guard lock(mutex_);
+    holds_pictures_ = false;
+    changed_.notify_all();
+  }
   std::uintmax_t upload_bytes() const {
     const std::lock_guard lock(mutex_);
     return upload_bytes_;
@@ -45,6 +62,9 @@ class FakeOperator final : public Operator {
  private:
   const Result<void> refuse_ = Error{ErrorCode::kUnsupported, "this run has no background"};
   mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  bool holds_pictures_ = true;
+  int slow_pictures_ = 0;
   State state_;
   std::vector<Command> commands_;
   std::uintmax_t upload_bytes_ = 0;

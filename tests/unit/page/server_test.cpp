@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "host/operator/page/hub.h"
 #include "tests/support/progress.h"
 #include "tests/support/refusal.h"
 #include "tests/support/threaded_clock.h"
@@ -186,6 +187,36 @@ TEST_F(PageServer, BothOfTwoClientsAreToldWhatOneChanges) {
     const json view = json::parse(client->message());
     EXPECT_EQ(view["data"]["value"], "matte");
   }
+}
+
+TEST_F(PageServer, APictureOfATakeHoldsUpNoChange) {
+  RawClient player(server_->port());
+  player.send(get("/api/v1/takes/slow/1.jpg"));
+  run_.wait_for_slow_picture();
+  EXPECT_EQ(ask(with_body("PUT /api/v1/lamps/lamp%201", R"({"on":false})")).status, 200);
+  run_.release();
+  EXPECT_EQ(player.response().status, 200);
+}
+
+TEST(PageHub, PicturesOfTakesThatWaitAreCounted) {
+  FakeOperator run;
+  std::atomic<bool> stop = false;
+  output::RunOrders orders(stop);
+  const SystemClock clock;
+  Hub hub(run, orders, clock);
+  int given = 0;
+  std::string refused;
+  for (int i = 0; i < 9; ++i)
+    hub.get_take_picture({"slow", 1}, [&](const Result<std::string>& jpeg) {
+      jpeg ? ++given : (refused += jpeg.error().context, 0);
+    });
+  EXPECT_EQ(given, 0);
+  EXPECT_EQ(refused, "8 pictures of takes are waiting: ask more slowly");
+  run.release();
+  while (given < 8) hub.io.run_one(), hub.io.restart();
+  hub.get_take_picture({"take 1", 1},
+                       [&](const Result<std::string>& jpeg) { given += jpeg ? 1 : 0; });
+  while (given < 9) hub.io.run_one(), hub.io.restart();
 }
 
 TEST_F(PageServer, ALargeMessageEndsItsSocketAlone) {
