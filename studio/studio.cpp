@@ -179,7 +179,7 @@ double Studio::State::people_time_s(double time_s) const {
   const double frame_s = frame / kFrameRate_hz;
   const Eigen::Vector3d right =
       camera_at(layout, options, frame_s).world_from_target.rotation * Eigen::Vector3d::UnitX();
-  const bool crosses = stop % 2 == 1 || options.sweep.crossing_all;
+  const bool crosses = stop % 2 == 1;
   const Eigen::Vector3d ahead = (crosses ? 1 : -1) * Eigen::Vector3d::UnitZ().cross(right);
   return cast.first().time_towards(ahead.x(), ahead.y()) +
          kCross_s * (frame % per_view - 0.5 * (per_view - 1)) + time_s - frame_s;

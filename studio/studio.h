@@ -61,13 +61,12 @@ Result<RigWords> parse_rig_words(std::string_view text);
 /// take; people move on in it. Without views the head stands and turns as Studio::turn_head says.
 struct Sweep {
   std::vector<HeadAngles> views;
-  int frames_per_view = 4;    ///< StudioOptions::frames is views times this
-  bool people = false;        ///< from the second view on; otherwise nobody is in the room
-  bool crossing = false;      ///< people: the first walks around the head and crosses the middle of
-                              ///< every second view, 0.7 s from one of its frames to the next
-  bool crossing_all = false;  ///< crossing: of every view
-  bool bracket = false;       ///< take: plates of each view also at other exposures
-  HeadMotion moved{};         ///< where there are no views, at the time `moved_s`
+  int frames_per_view = 4;  ///< StudioOptions::frames is views times this
+  bool people = false;      ///< from the second view on; otherwise nobody is in the room
+  bool crossing = false;    ///< people: the first walks around the head and crosses the middle of
+                            ///< every second view, 0.7 s from one of its frames to the next
+  bool bracket = false;     ///< take: plates of each view also at other exposures
+  HeadMotion moved{};       ///< where there are no views, at the time `moved_s`
   double moved_s = 0;
 };
 

@@ -22,7 +22,6 @@ namespace {
 struct AlignArguments {
   std::string a, b, json, plot, join, room, calibration;
   int threads = 0;
-  trajectory::AlignOptions options;
 };
 
 /// Exactly the documented keys; null where a value is not observable.
@@ -121,7 +120,7 @@ Result<nlohmann::json> act(const AlignArguments& arguments) {
   if (!arguments.room.empty()) return place(arguments, map_jobs());
   MIXRIG_ASSIGN(const trajectory::Trajectory a, read(arguments.a));
   MIXRIG_ASSIGN(const trajectory::Trajectory b, read(arguments.b));
-  const auto estimate = trajectory::align(a, b, arguments.options);
+  const auto estimate = trajectory::align(a, b);
   const nlohmann::json report = report_of(estimate);
   MIXRIG_TRY(write_report(arguments, report));
   if (!estimate.usable())
@@ -141,10 +140,6 @@ void add_align_command(Command app, Context& context) {
   command.add_option("A", arguments->a, "trajectory, TUM or CSV: t x y z qx qy qz qw").required();
   command.add_option("B", arguments->b, "trajectory of the other sensor: t_A = t_B + offset")
       .required();
-  command
-      .add_option("--window", arguments->options.window_s, "relative motions are over this time, s")
-      .range(0.05, 10.0)
-      .show_default();
   command.add_option("--join", arguments->join,
                      "A and B are maps written by learn from one take: folder that B is written "
                      "to, in axes and units of A");

@@ -26,21 +26,19 @@ namespace {
 
 struct StudioArguments {
   std::string out, scenario = "walk", rig = "kinect2", size = "1280x1024", format = "png";
-  std::string board = "checkerboard", squares = "10x7";
+  std::string board = "checkerboard";
   int seed = 1, frames = 60, threads = 0, views = 0;
-  bool raw_depth = false, pan_tilt = false, clear_floor = false, hand = false;
+  bool pan_tilt = false, clear_floor = false, hand = false;
   double tremor_mm = 0, rest_s = 0.8, move_s = 0.8;
-  double far_m = 2.4;
-  double square_mm = 70, marker_mm = 0, bend_mm = 0, blur_px = 0.6, noise = 1;
-  double tolerance = 0, amplitude_error_mm = 0, pixel_error_mm = 0;
+  double bend_mm = 0, tolerance = 0;
   std::optional<double> depth_error_mm, lens_error_px;
-  bool plain = false, cold = false, props = false, glossy_object = false;
+  bool plain = false, cold = false;
   int people = 1;
   std::string only, without;
   std::string field = "270x180";
-  double overlap = 0.1, most_tilt_deg = 90;
+  double overlap = 0.1;
   int frames_per_view = 4;
-  bool sweep_people = false, sweep_crossing = false, sweep_crossing_all = false;
+  bool sweep_people = false, sweep_crossing = false;
   bool window = false, sweep_bracket = false;
   std::string eye, look_at, object, dim, refocus;
   std::optional<double> pan_deg;
@@ -91,7 +89,7 @@ Result<std::optional<Eigen::Vector2d>> parse_two(const std::string& text, const 
 
 /// The head's views of a sweep with the depth camera of the rig as designed.
 Result<studio::Sweep> sweep_of(const StudioArguments& arguments, studio::RigPreset rig) {
-  constexpr double kMostPan_deg = 180;
+  constexpr double kMostPan_deg = 180, kMostTilt_deg = 90;
   MIXRIG_ASSIGN(const Size field_deg, parse_size(arguments.field, "--field"));
   const studio::Optics tof = studio::tof_sensor(rig).optics;
   model::SweepTask task;
@@ -100,14 +98,13 @@ Result<studio::Sweep> sweep_of(const StudioArguments& arguments, studio::RigPres
   task.camera_tilt_rad = 2 * std::atan(0.5 * tof.size_px.height / tof.fy_px);
   task.overlap = arguments.overlap;
   task.most_views = arguments.views;
-  task.most_pan_rad = kMostPan_deg * kDeg, task.most_tilt_rad = arguments.most_tilt_deg * kDeg;
+  task.most_pan_rad = kMostPan_deg * kDeg, task.most_tilt_rad = kMostTilt_deg * kDeg;
   MIXRIG_ASSIGN(const model::SweepPlan plan, model::plan_sweep(task));
   studio::Sweep sweep;
   for (const model::HeadView& view : plan.views)
     sweep.views.push_back({view.pan_rad, view.tilt_rad});
   sweep.frames_per_view = arguments.frames_per_view;
-  sweep.crossing = arguments.sweep_crossing || arguments.sweep_crossing_all;
-  sweep.crossing_all = arguments.sweep_crossing_all;
+  sweep.crossing = arguments.sweep_crossing;
   sweep.people = arguments.sweep_people || sweep.crossing;
   sweep.bracket = arguments.sweep_bracket;
   std::printf("%zu views, %.0f degrees high, %.1f %% of the field\n", plan.views.size(),
@@ -125,12 +122,9 @@ Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   options.seed = static_cast<unsigned>(arguments.seed);
   options.frames = arguments.frames;
   options.threads = arguments.threads;
-  options.raw_depth = arguments.raw_depth;
   options.clear_floor = arguments.clear_floor;
   options.tolerance = arguments.tolerance;
   options.people = arguments.people;
-  options.props = arguments.props;
-  options.glossy_object = arguments.glossy_object;
   options.window = arguments.window;
   MIXRIG_ASSIGN(options.realism, realism_of(arguments));
   MIXRIG_ASSIGN(options.eye_m, parse_place(arguments.eye, "--eye"));
@@ -161,26 +155,15 @@ Result<studio::BoardOptions> board_options_of(const StudioArguments& arguments) 
   options.rig = rig.rig, options.second_tof = rig.second_tof;
   MIXRIG_ASSIGN(options.size_px, parse_size(arguments.size, "--size"));
   MIXRIG_ASSIGN(options.board.kind, studio::parse_board(arguments.board));
-  MIXRIG_ASSIGN(const Size squares, parse_size(arguments.squares, "--squares"));
   if (arguments.seed < 0) return Error{ErrorCode::kUsage, "--seed must not be negative"};
   options.seed = static_cast<unsigned>(arguments.seed);
   if (arguments.views != 0) options.views = arguments.views;
   options.threads = arguments.threads;
   options.pan_tilt = arguments.pan_tilt;
-  options.board.columns = squares.width, options.board.rows = squares.height;
-  options.board.square_m = arguments.square_mm / 1000;
-  options.board.marker_m =
-      (arguments.marker_mm > 0 ? arguments.marker_mm : 0.75 * arguments.square_mm) / 1000;
   options.board.bend_m = arguments.bend_mm / 1000;
-  options.far_m = arguments.far_m;
-  options.blur_px = arguments.blur_px;
-  options.noise = arguments.noise;
   options.tolerance = arguments.tolerance;
-  options.raw_depth = arguments.raw_depth;
   options.lens_error_px = arguments.lens_error_px.value_or(arguments.plain ? 0 : kLensError_px);
   if (arguments.depth_error_mm) options.depth_error_m = *arguments.depth_error_mm / 1000;
-  options.amplitude_error_m = arguments.amplitude_error_mm / 1000;
-  options.pixel_error_m = arguments.pixel_error_mm / 1000;
   options.hand.tremor_m = arguments.tremor_mm / 1000;
   options.hand.rest_s = arguments.rest_s;
   options.hand.move_s = arguments.move_s;
@@ -259,13 +242,7 @@ void add_board_options(Command command, StudioArguments& arguments) {
                   "scenario sweep: at most so many, of a lower field where they do not cover it")
       .group(group);
   option("--board", arguments.board, "checkerboard charuco");
-  option("--squares", arguments.squares, "Columns x rows of squares");
-  option("--square", arguments.square_mm, "Side of a square, mm");
-  option("--marker", arguments.marker_mm, "ChArUco: side of a marker, mm; 0: 3/4 of a square");
   option("--bend", arguments.bend_mm, "Height of the board's middle above its edges, mm");
-  option("--far", arguments.far_m, "Most distance of the board before the cameras, m");
-  option("--blur", arguments.blur_px, "Sigma of every lens, px");
-  option("--noise", arguments.noise, "Noise of every sensor, as a factor of its own");
   command
       .add_option("--depth-error", arguments.depth_error_mm,
                   "Largest systematic depth error, mm; that of the takes if not given")
@@ -276,8 +253,6 @@ void add_board_options(Command command, StudioArguments& arguments) {
           "Error of the target lens outside its model at the corners, px; 0.3 if not given, "
           "0 with --plain")
       .group(group);
-  option("--amplitude-error", arguments.amplitude_error_mm, "Depth error where light is weak, mm");
-  option("--pixel-error", arguments.pixel_error_mm, "Depth error in the corners, mm");
   command.add_flag("--ptu", arguments.pan_tilt, "The board stands still, the pan-tilt unit turns")
       .group(group);
   command
@@ -296,15 +271,12 @@ void add_sweep_options(Command command, StudioArguments& arguments) {
   };
   option("--field", arguments.field, "Pan x tilt to cover, whole degrees");
   option("--overlap", arguments.overlap, "Share of a view that its neighbours see too, 0 to 0.9");
-  option("--most-tilt", arguments.most_tilt_deg, "Limit of the unit up and down, degrees");
   option("--view-frames", arguments.frames_per_view, "Frames of each view");
   command.add_flag("--walker", arguments.sweep_people, "A person walks from the second view on")
       .group(group);
   command
       .add_flag("--crossing", arguments.sweep_crossing,
                 "A person crosses every second view, 0.7 s from one of its frames to the next")
-      .group(group);
-  command.add_flag("--crossing-all", arguments.sweep_crossing_all, "The same in every view")
       .group(group);
   command
       .add_flag(
@@ -328,18 +300,14 @@ void add_day_options(Command command, StudioArguments& arguments) {
       .group(group);
   command.add_flag("--moved-chair", day.moved_chair, "The desk's chair stands elsewhere")
       .group(group);
-  command.add_flag("--swinging-door", day.swinging_door, "The door opens and closes every 6 s")
-      .group(group);
 }
 
 /// Checks the options against the scenario. Errors: kUsage for an option of another scenario.
 Result<void> check_scenario(const Command& command, const std::string& scenario) {
-  constexpr std::array kOfBoard{
-      "--board", "--squares", "--square",      "--marker",      "--bend",       "--far",
-      "--blur",  "--noise",   "--hand",        "--depth-error", "--lens-error", "--amplitude-error",
-      "--ptu",   "--rest",    "--pixel-error", "--move",        "--tremor"};
-  constexpr std::array kOfSweep{"--field",  "--overlap",  "--most-tilt",    "--view-frames",
-                                "--walker", "--crossing", "--crossing-all", "--bracket"};
+  constexpr std::array kOfBoard{"--board", "--bend", "--hand", "--depth-error", "--lens-error",
+                                "--ptu",   "--rest", "--move", "--tremor"};
+  constexpr std::array kOfSweep{"--field",  "--overlap",  "--view-frames",
+                                "--walker", "--crossing", "--bracket"};
   const auto belongs = [](const char* option, const char* to) {
     return Error{ErrorCode::kUsage, std::string(option) + " is for --scenario " + to +
                                         ": choose that, or leave it out"};
@@ -386,10 +354,6 @@ void add_studio_command(Command app, Context& context) {
   command.add_flag("--clear-floor", arguments->clear_floor,
                    "No chair at the desk: no furniture in the capture volume");
   command.add_option("--people", arguments->people, "1 to 3: the second sits, the third walks");
-  command.add_flag("--props", arguments->props,
-                   "The first person carries a stick, a black bag and a chrome ball");
-  command.add_flag("--glossy-object", arguments->glossy_object,
-                   "The virtual object mirrors light: a varnished crate, a polished statue");
   command.add_flag("--window", arguments->window,
                    "A window by night in place of the middle picture: glass without depth");
   command.add_flag("--plain", arguments->plain,
@@ -399,7 +363,6 @@ void add_studio_command(Command app, Context& context) {
   const std::string switches = studio::names_of(studio::Realism::all());
   command.add_option("--only", arguments->only, "Only these switches of realism: " + switches);
   command.add_option("--without", arguments->without, "All switches of realism but these");
-  command.add_flag("--raw-depth", arguments->raw_depth, "Keep the systematic depth error");
   command.add_flag("--raw", arguments->raw,
                    "Rig kinect2: the sensor's raw pictures in place of depth; run decodes them");
   command.add_option("--eye", arguments->eye, "X,Y,Z of the camera at rest, metres, world");

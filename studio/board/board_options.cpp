@@ -35,8 +35,6 @@ Result<void> check_board_options(const BoardOptions& o) {
   MIXRIG_TRY(check_board_range("tolerance", o.tolerance, 0, 2));
   MIXRIG_TRY(check_board_range("lens error", o.lens_error_px, 0, 5));
   MIXRIG_TRY(check_board_range("depth error", o.depth_error_m.value_or(0), 0, 0.1));
-  MIXRIG_TRY(check_board_range("amplitude error", o.amplitude_error_m, -0.1, 0.1));
-  MIXRIG_TRY(check_board_range("pixel error", o.pixel_error_m, -0.1, 0.1));
   const bool markers = o.board.kind == BoardKind::kCharuco;
   const auto most = static_cast<int>(marker_bits().size());
   if (markers && o.board.columns * o.board.rows / 2 > most)

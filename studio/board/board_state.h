@@ -74,7 +74,6 @@ struct BoardStudio::State {
   void turn_to(const BoardPlace& place);
   Echo background_echo(const TofSensor& sensor, const Eigen::Vector3f& ray,
                        const geometry::Pose& world_from_tof) const;
-  float with_depth_error(const TofSensor& sensor, const TofValue& value, int x, int y) const;
 
   BoardInfo info;
   Light light;

@@ -36,10 +36,8 @@ struct BoardOptions {
   bool raw_depth = false;    ///< leave the ToF camera's systematic error in
   /// Largest systematic depth error, 0..0.1; without it that of the rig's takes.
   std::optional<double> depth_error_m;
-  double amplitude_error_m = 0;  ///< of depth where the signal is a tenth of the brightest, +-0.1
-  double pixel_error_m = 0;      ///< of depth in the corners of the picture, +-0.1
-  Size fisheye_px{1280, 1024};   ///< 64..4096 a side; the same field
-  HandMotion hand;               ///< of render_moment()
+  Size fisheye_px{1280, 1024};  ///< 64..4096 a side; the same field
+  HandMotion hand;              ///< of render_moment()
 };
 
 /// Properties of all views.

@@ -8,6 +8,12 @@
 namespace mixrig::studio {
 namespace {
 
+/// The distance in whole units of the sensor, metres; 0 where it is unknown.
+float in_units(const TofSensor& sensor, float distance_m) {
+  const double unit_m = sensor.unit_m;
+  return distance_m > 0 ? static_cast<float>(unit_m * std::round(distance_m / unit_m)) : 0;
+}
+
 constexpr float kPaperInfrared = 0.75F, kInkInfrared = 0.10F;
 
 }  // namespace
@@ -21,19 +27,6 @@ Echo BoardStudio::State::background_echo(const TofSensor& sensor, const Eigen::V
   const Vec3 visible = materials.albedo(hit.material, hit.uv, eye + hit.t * direction);
   return echo_of(sensor, hit.t, materials.infrared(hit.material, visible),
                  -hit.normal.dot(direction));
-}
-
-/// The measured distance with the errors that depend on amplitude and pixel position.
-float BoardStudio::State::with_depth_error(const TofSensor& sensor, const TofValue& value, int x,
-                                           int y) const {
-  const Size size = sensor.optics.size_px;
-  const double dx = 2.0 * x / (size.width - 1) - 1, dy = 2.0 * y / (size.height - 1) - 1;
-  const double bright = 0.25 * sensor.signal_e;  // about the amplitude of paper at 1 m
-  const double weak = 1 / (1 + 9 * std::max(value.amplitude_e, 0.0F) / bright);
-  const double error = info.options.amplitude_error_m * weak * 1.9 +
-                       info.options.pixel_error_m * 0.5 * (dx * dx + dy * dy);
-  const double unit = sensor.unit_m;
-  return static_cast<float>(unit * std::round((value.distance_m + error) / unit));
 }
 
 Echo BoardStudio::State::board_echo(BoardTof& of, const BoardPixel& p, std::size_t index, int x,
@@ -79,7 +72,7 @@ void BoardStudio::State::draw_tof(BoardTof& of, Poses poses, int number, Image<f
             sensor, {tap(0, index), tap(1, index), tap(2, index), tap(3, index)},
             hash_key(info.options.seed, static_cast<std::uint64_t>(number) + of.salt, index), true,
             normal);
-        distance_m.at(x, y) = value.distance_m > 0 ? with_depth_error(sensor, value, x, y) : 0;
+        distance_m.at(x, y) = in_units(sensor, value.distance_m);
         amplitude.at(x, y) = std::round(counts_per_e * value.amplitude_e);
       }
   });
