@@ -15,7 +15,7 @@ namespace {
 
 Result<nlohmann::json> explain(const SessionArguments& arguments, int frames) {
   MIXRIG_ASSIGN(const session::SessionOptions options, session_options(arguments));
-  MIXRIG_ASSIGN(const auto session, session::open_session(options));
+  MIXRIG_ASSIGN(const auto session, opened_session(options));
   MIXRIG_TRY(check_extras(session->scene));
   const SystemClock clock;
   MIXRIG_ASSIGN(const session::Explanation explanation,

@@ -125,6 +125,11 @@ Result<session::SessionOptions> session_options(const SessionArguments& argument
   return options;
 }
 
+Result<std::unique_ptr<session::Session>> opened_session(const session::SessionOptions& options) {
+  const Progress progress("opening the scene", 1);
+  return session::open_session(options);
+}
+
 void print_notes(const scene::Scene& scene, nlohmann::json& report) {
   std::vector<const char*> notes;
   const bool has_objects = !scene.objects.empty() || scene.set;

@@ -34,6 +34,10 @@ session::BackendChoice backend_choice(const SessionArguments& arguments);
 /// Errors: kUsage.
 Result<session::SessionOptions> session_options(const SessionArguments& arguments);
 
+/// Opens the session of a run, and says so on stderr where that takes long. Errors: those of
+/// session::open_session().
+Result<std::unique_ptr<session::Session>> opened_session(const session::SessionOptions& options);
+
 /// Prints what a scene lacks, one line each, and adds them to the report as "notes".
 void print_notes(const scene::Scene& scene, nlohmann::json& report);
 

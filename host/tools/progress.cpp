@@ -75,7 +75,7 @@ Progress::Progress(std::string what, int total, bool waits_for_step)
       total_(std::max(total, 1)),
       shown_(isatty(STDERR_FILENO) == 1),
       start_(SteadyClock::now()) {
-  (void)lines().is_due();
+  (void)lines();  // its time begins
   if (shown_ || waits_for_step) return;
   // The first step may take long.
   first_line_ = std::jthread([what = what_, steps = total_](const std::stop_token& stop) {

@@ -139,7 +139,7 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   output::RunOrders orders(StopOnSignal::flag());
   const LearnOnSignal learn_signal(orders);
   session_arguments.clock = &clock, session_arguments.stop = &orders.stop();
-  MIXRIG_ASSIGN(const auto session, session::open_session(session_arguments));
+  MIXRIG_ASSIGN(const auto session, opened_session(session_arguments));
   MIXRIG_TRY(check_extras(session->scene));
   session::RunParts parts;
   parts.extras = run_extras(), parts.orders = &orders, parts.stop = &orders.stop();

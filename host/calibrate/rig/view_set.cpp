@@ -156,6 +156,11 @@ Result<ViewSet> parse_view_set(std::string_view text, const std::string& name,
 Result<ViewSet> read_view_set(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / "views.toml";
   std::string angles;
+  std::error_code code;
+  if (!std::filesystem::exists(file, code))
+    return Error{ErrorCode::kNotFound, "'" + folder.string() +
+                                           "' is no folder of views (no views.toml): name one, or "
+                                           "make one by mixrig calibrate views"};
   MIXRIG_ASSIGN(const std::string views, config::read_text(file, kMostFileBytes));
   MIXRIG_ASSIGN(ViewSet set, parse_view_set(views, file.string(), angles));
   set.folder = folder;

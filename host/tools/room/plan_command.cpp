@@ -74,7 +74,7 @@ Result<nlohmann::json> make(const PlanArguments& arguments) {
   SystemClock clock;
   session_arguments.clock = &clock;
   session_arguments.stop = options.stop = &StopOnSignal::flag();
-  MIXRIG_ASSIGN(const auto session, session::open_session(session_arguments));
+  MIXRIG_ASSIGN(const auto session, opened_session(session_arguments));
   MIXRIG_ASSIGN(const session::Plan plan,
                 session::make_plan(*session, options, clock, progress_bar()));
   print(plan);
