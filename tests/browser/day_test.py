@@ -12,8 +12,8 @@ import sys
 import tempfile
 import tomllib
 
-from rig import (ActionChains, By, Keys, Rig, age_ms, browser, by_id, comes_true, field, has_names, presses,
-                 skip_without_browser, types)
+from rig import (ActionChains, By, Keys, Rig, age_ms, browser, by_id, comes_true, field, finds_nothing_serious,
+                 has_names, presses, skip_without_browser, types)
 from exposure import plays_takes, shows_exposure
 from picture import shows_a_live_picture
 
@@ -202,6 +202,9 @@ def stays_in_sight(page, out):
                 assert box[0] >= 0 and box[1] >= 0 and box[2] <= width and box[3] <= height, (name, part, box)
             if out:
                 page.save_screenshot(str(out / f"{name}{'_end' if end else ''}.png"))
+        high = page.execute_script("return document.getElementById('canvas').getBoundingClientRect().height")
+        assert 0.3 * height < high < height, f"{name}: the picture is {high} px high"
+        finds_nothing_serious(page, name)
         wide = page.execute_script("return document.documentElement.scrollWidth")
         assert wide <= width, f"{name}: {wide} px wide"
         if width < 1000:

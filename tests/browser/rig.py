@@ -211,6 +211,19 @@ def has_names(page):
         assert control.accessible_name.strip(), control.get_attribute("outerHTML")
 
 
+def finds_nothing_serious(page, where):
+    """axe-core sees no serious fault. MIXRIG_AXE: axe.min.js of the npm package axe-core; without it nothing is judged."""
+    if not os.environ.get("MIXRIG_AXE"):
+        return
+    page.execute_script(pathlib.Path(os.environ["MIXRIG_AXE"]).read_text())
+    page.set_script_timeout(60)
+    found = page.execute_async_script("const done = arguments[0]; axe.run().then(r => done(r.violations.map("
+                                      "v => [v.impact, v.id, v.nodes.length, v.nodes[0].html])))")
+    grave = [fault for fault in found if fault[0] in ("serious", "critical")]
+    assert not grave, (where, grave)
+    print(f"axe-core, {where}: nothing serious, {len(found)} others {[fault[1] for fault in found]}")
+
+
 def presses(page, *keys):
     """Keys of the page, with none of its controls in use."""
     page.execute_script("document.activeElement.blur()")
