@@ -38,8 +38,12 @@ std::vector<Segment> segments_of(const fs::path& folder) {
   if (fs::exists(folder / "take.toml", error)) return segments;
   for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
     std::error_code none;
-    if (auto segment = segment_of(at->path()); segment && at->is_directory(none))
-      segments.push_back(*std::move(segment));
+    auto segment = segment_of(at->path());
+    if (!segment || !at->is_directory(none)) continue;
+    if (!segment->is_partial && !fs::exists(at->path() / "take.toml", none) &&
+        !fs::is_empty(at->path(), none))
+      continue;
+    segments.push_back(*std::move(segment));
   }
   std::sort(segments.begin(), segments.end(), [](const Segment& a, const Segment& b) {
     return std::pair(a.number, a.is_partial) < std::pair(b.number, b.is_partial);

@@ -18,7 +18,8 @@ struct Segment {
   bool is_partial = false;  ///< it is being written, or was cut off
 };
 
-/// The segments of a folder by their number. Empty for a folder that is a take itself, has none, or
+/// The segments of a folder by their number: folders of its form that have a manifest, are
+/// being written, or are empty. Empty for a folder that is a take itself, has none, or
 /// cannot be read.
 std::vector<Segment> segments_of(const std::filesystem::path& folder);
 /// Path of the segment after the last one; makes the folder. Errors: kUsage where the folder holds

@@ -2,6 +2,7 @@
 // Takes that follow each other in a folder are read as one.
 #include "host/capture/take/segments.h"
 
+#include <fstream>
 #include <map>
 
 #include <gtest/gtest.h>
@@ -106,6 +107,13 @@ TEST_F(SegmentFolder, SegmentsOfOtherCamerasAreRefused) {
   write(3, 4, 0, false, other);
   EXPECT_TRUE(
       test::refused(TakeReader::open(all_), {"0002", "0001", "other cameras"}, ErrorCode::kData));
+}
+
+TEST_F(SegmentFolder, AFolderOfPhotosNamedByAYearIsNoSegment) {
+  fs::create_directories(all_ / "2024");
+  std::ofstream(all_ / "2024/photo.jpg") << "photo";
+  EXPECT_TRUE(segments_of(all_).empty());
+  EXPECT_TRUE(test::refused(next_segment(all_), {"holds other things"}, ErrorCode::kUsage));
 }
 
 TEST_F(SegmentFolder, TheNextNumberFollowsTheLargest) {
