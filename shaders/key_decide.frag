@@ -13,7 +13,7 @@ layout(binding = 0) uniform sampler2D state;
 layout(binding = 1) uniform sampler2D counts;
 layout(binding = 2) uniform sampler2D band;
 layout(binding = 3) uniform sampler2D votes;
-uniform bool use_color;
+uniform bool use_color, is_still;
 uniform ivec2 tap_px;  // half a footprint and a whole one
 out float matte;
 
@@ -43,14 +43,15 @@ float depth_vote(ivec2 at) {
   return (balance > 0.0 ? foreground_weight : background_weight) * balance;
 }
 
-// Mean over 3x3 pixels.
+// Weighted mean over 3x3 pixels.
 float color_vote(ivec2 at, ivec2 block) {
   if (!use_color) return 0.0;
   ivec2 first = at + 2 * block;  // block * (block_px + 2) + at - block * block_px, less the border
-  float sum = 0.0;
+  float side = is_still ? vote_side : 1.0, sum = 0.0;
   for (int j = 0; j < 3; ++j)
-    for (int i = 0; i < 3; ++i) sum += texelFetch(votes, first + ivec2(i, j), 0).r;
-  return sum / 9.0;
+    for (int i = 0; i < 3; ++i)
+      sum += (i == 1 ? 1.0 : side) * (j == 1 ? 1.0 : side) * texelFetch(votes, first + ivec2(i, j), 0).r;
+  return sum / ((1.0 + 2.0 * side) * (1.0 + 2.0 * side));
 }
 
 void main() {

@@ -21,7 +21,7 @@ layout(binding = 4) uniform sampler2D person;
 layout(binding = 5) uniform sampler2D room;
 layout(binding = 7) uniform sampler2D person_deep;  // unit 6 is that of blocks.vert
 layout(binding = 8) uniform sampler2D light;
-uniform bool has_learned, has_sigma, is_still;
+uniform bool has_learned, has_sigma, is_still;  // is_still: with a learned colour
 out float vote;
 
 // Log odds of a colour of people, without constants: distances are those of the covariance

@@ -158,6 +158,9 @@ inline constexpr float kRoomVoteCap = 2.5F;
 /// Standard deviation of the light on people's surfaces, as a part of it: they turn away from the
 /// lamps, while their hue stays.
 inline constexpr float kPeopleShade = 0.17F;
+/// Weight of the votes of neighbours along each axis, beside 1 of the pixel itself. A camera that
+/// moves takes the mean over 3x3: the background drawn for its pose is off by parts of a pixel.
+inline constexpr float kVoteSide = 0.25F;
 /// Weight of the log ratio of two variances in the log odds of normal densities: one half for each
 /// of three channels.
 inline constexpr float kSpreadOdds = 1.5F;

@@ -151,7 +151,7 @@ void KeyVotes::load_colors(const KeyInput& input, const RoomLight& light, int bx
     load_row(input, light, block_begin(bx0) - 1, (bx1 - bx0) * kBlockPx + 2, by, j);
 }
 
-/// Averages votes over 3x3 pixels in the block whose first pixel is i0.
+/// Averages votes over 3x3 pixels (kVoteSide) in the block whose first pixel is i0.
 void KeyVotes::mean_of_colors(const KeyInput& input, const NearColors& near, int i0,
                               Mean& mean) const {
   const NearColor &people = near.people, &room = near.room, &deep = near.deep;
@@ -187,12 +187,15 @@ void KeyVotes::mean_of_colors(const KeyInput& input, const NearColors& near, int
       }
       store(votes[j].data() + i, vote);
     }
+  const float side = by_light ? kVoteSide : 1, all = 1 / ((1 + 2 * side) * (1 + 2 * side));
+  const std::array<float, 3> weights{side, 1, side};
   for (std::size_t j = 0; j < kBlockPx; ++j)
     for (std::size_t i = 0; i < kBlockPx; ++i) {
       float sum = 0;
       for (std::size_t dj = 0; dj < 3; ++dj)
-        for (std::size_t di = 0; di < 3; ++di) sum += votes[j + dj][i + di];
-      mean[j][i] = sum / 9;
+        for (std::size_t di = 0; di < 3; ++di)
+          sum += weights[dj] * weights[di] * votes[j + dj][i + di];
+      mean[j][i] = all * sum;
     }
 }
 

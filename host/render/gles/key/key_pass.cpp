@@ -50,7 +50,6 @@ Result<KeyPass> KeyPass::create(const Tables& tables, LearnedColor learned,
   MIXRIG_TRY(pass.make_steps());
   MIXRIG_TRY(pass.make_finish(tables, joins));
   pass.set_constants(params, learned.with_spread);
-  if (pass.use_color_) pass.vote_.program.set("is_still", !tables.key_limit_w.empty());
   if (pass.refine_) pass.sum_tiles_.program.set("tile_px", matte_tile_px(tables.tof_footprint_px));
   pass.set_view(tables);
   return pass;
@@ -110,9 +109,11 @@ void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
   if (use_color_) {
     vote_.program.set("has_sigma", has_sigma);
     vote_.program.set("has_learned", has_learned_);
+    vote_.program.set("is_still", has_light_);
     tone_ = ToneUniforms(vote_.program);
   }
   decide_.program.set("use_color", use_color_);
+  decide_.program.set("is_still", has_light_);
   for (const Step* step : {&blocks_, &speckles_})
     step->program.set("needs_room", use_color_ && !has_learned_);
   finish_.set("refine", refine_);
