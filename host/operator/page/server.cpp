@@ -30,7 +30,6 @@ namespace {
 
 constexpr auto kTellEvery = std::chrono::milliseconds(200);
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);
-constexpr int kMostAcceptedAtOnce = 16;  ///< fewer than Visitors::kMostGuests
 
 std::string host_text(const asio::ip::address& address) {
   const std::string text = address.is_unspecified() ? asio::ip::host_name() : address.to_string();
@@ -97,7 +96,6 @@ struct Server::Impl {
   Result<void> open(const Listen& listen);
   Result<void> open_osc(const Listen& listen);
   void accept();
-  void accept_waiting();
   void accept_later();
   void tell_later();
   void serve();
@@ -118,7 +116,6 @@ Result<void> Server::Impl::open(const Listen& listen) {
   if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
   if (!error) acceptor.bind(wanted, error);
   if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
-  if (!error) acceptor.non_blocking(true, error);
   if (error)
     return system_error(ErrorCode::kIo,
                         "cannot serve the page at " + listen.address + ":" +
@@ -147,20 +144,8 @@ void Server::Impl::accept() {
     if (error == asio::error::operation_aborted) return;
     if (error) return accept_later();
     std::make_shared<Connection>(hub, std::move(socket))->read_header();
-    accept_waiting();
     accept();
   });
-}
-
-/// Accepts what waits as well: where a host opens connections faster than the loop turns, the
-/// kernel's queue would overflow, and a visitor's attempt would be lost for a second.
-void Server::Impl::accept_waiting() {
-  for (int i = 0; i < kMostAcceptedAtOnce; ++i) {
-    boost::system::error_code none;
-    tcp::socket socket = acceptor.accept(none);
-    if (none) return;
-    std::make_shared<Connection>(hub, std::move(socket))->read_header();
-  }
 }
 
 /// Accepts again after a pause. Where no file descriptor is free, a waiting connection would fail
