@@ -8,7 +8,7 @@
 #include <fcntl.h>
 
 #include "host/capture/take/disk_sync.h"
-#include "host/capture/take/segments.h"
+#include "host/capture/take/segments/segments.h"
 #include "host/capture/take/unfinished.h"
 
 namespace mixrig::take {

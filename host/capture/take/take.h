@@ -43,11 +43,12 @@ struct TakeInfo : capture::SourceInfo {
   int depth_unknown = 0;
   std::string raw_depth;  ///< "kinect2": the stream `depth` holds raw frames; empty: pictures
   double truth_depth_unit_m = 0.00025;
-  int segments = 1;  ///< takes that were joined (segments.h); counts and times are those of all
+  int segments =
+      1;  ///< takes that were joined (segments/segments.h); counts and times are those of all
 };
 
 /// Reads a take folder, a take.toml, a TUM RGB-D folder, or a folder of takes that follow each
-/// other (segments.h) as one. Not thread-safe.
+/// other (segments/segments.h) as one. Not thread-safe.
 class TakeReader {
  public:
   /// Opens a take. Errors: kNotFound, kFormat (file:line: key ...), kData (calibration, sizes, no

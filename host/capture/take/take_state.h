@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What an open take holds. Private to this module: take_open.cpp fills it, take_index.cpp says
-// which pictures make a frame, take_reader.cpp reads them, joined_takes.cpp joins takes.
+// which pictures make a frame, take_reader.cpp reads them, segments/joined_takes.cpp joins takes.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 #include "host/capture/take/frame_pairs.h"
 #include "host/capture/take/frame_tables.h"
 #include "host/capture/take/manifest.h"
-#include "host/capture/take/segments.h"
+#include "host/capture/take/segments/segments.h"
 #include "host/capture/take/streams/depth_check.h"
 #include "host/capture/take/streams/depth_steps.h"
 #include "host/capture/take/streams/fisheye_stream.h"
@@ -36,7 +36,7 @@ struct FrameIndex {
   geometry::Pose world_from_target;
 };
 
-/// A take of a folder of segments (segments.h).
+/// A take of a folder of segments (segments/segments.h).
 struct JoinedTake {
   std::filesystem::path path;
   int first = 1, frames = 0;  ///< number of its first frame, and how many it has

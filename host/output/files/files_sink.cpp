@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "host/capture/take/segments.h"
+#include "host/capture/take/segments/segments.h"
 #include "host/math/image_io/image_io.h"
 #include "host/output/report/picture.h"
 

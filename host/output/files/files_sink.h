@@ -21,7 +21,7 @@ struct OutputOptions {
   OutputFormat format = OutputFormat::kPng;  ///< of the composite; kNone: no frames are written
   bool layers = false;                       ///< also segmented depth (millimetres) and matte
   bool inspect = false;                      ///< also warped depth, key and light map
-  double segment_s = 0;  ///< the composite goes on in a new take (take/segments.h); 0: one take
+  double segment_s = 0;  ///< the composite goes on in a new take (take/segments/segments.h); 0: one take
   bool alpha = false;    ///< also the covered share of each pixel: the composite is over black
 };
 

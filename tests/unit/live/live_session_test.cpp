@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #include "host/capture/live/session/record.h"
-#include "host/capture/take/segments.h"
+#include "host/capture/take/segments/segments.h"
 #include "tests/support/refusal.h"
 #include "tests/unit/live/session_rig.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Takes that follow each other in a folder are read as one.
-#include "host/capture/take/segments.h"
+#include "host/capture/take/segments/segments.h"
 
 #include <fstream>
 #include <map>

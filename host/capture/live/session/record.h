@@ -14,7 +14,7 @@
 
 namespace mixrig::live {
 
-/// Takes that follow each other in the folder RecordOptions::out (take/segments.h). Without
+/// Takes that follow each other in the folder RecordOptions::out (take/segments/segments.h). Without
 /// `length` and `bytes` a recording is one take.
 struct Segments {
   Duration length{};             ///< of a take; 0: any

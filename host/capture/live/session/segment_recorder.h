@@ -18,13 +18,13 @@ namespace mixrig::live {
 /// Writes sets into the take RecordOptions::out, or into segments in that folder. An earlier
 /// segment is completed, and the oldest are deleted where asked, in a thread of its own. Not
 /// thread-safe; the arguments of the constructor must outlive it.
-class TakeRow {
+class SegmentRecorder {
  public:
-  TakeRow(const RigConfig& config, const Devices& devices, const RecordOptions& options,
-          take::TakeInfo info, LensStream* lens);
-  ~TakeRow();
-  TakeRow(const TakeRow&) = delete;
-  TakeRow& operator=(const TakeRow&) = delete;
+  SegmentRecorder(const RigConfig& config, const Devices& devices, const RecordOptions& options,
+                  take::TakeInfo info, LensStream* lens);
+  ~SegmentRecorder();
+  SegmentRecorder(const SegmentRecorder&) = delete;
+  SegmentRecorder& operator=(const SegmentRecorder&) = delete;
 
   /// Begins the first take. Errors: kUsage for a folder that holds other things; kIo, also where
   /// the disk has less than RecordOptions::least_free_bytes, or the folder its share already.

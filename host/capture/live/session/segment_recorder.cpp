@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/capture/live/session/take_row.h"
+#include "host/capture/live/session/segment_recorder.h"
 
 #include <algorithm>
 #include <utility>
@@ -9,7 +9,7 @@
 
 #include "hal/base/guarded.h"
 #include "hal/base/log.h"
-#include "host/capture/take/segments.h"
+#include "host/capture/take/segments/segments.h"
 
 namespace mixrig::live {
 namespace fs = std::filesystem;
@@ -20,9 +20,8 @@ namespace {
 constexpr int kFramesPerDiskCheck = 10, kFramesPerCount = 100;
 constexpr double kBytesInMegabyte = 1048576.0;
 
-std::uint64_t free_bytes_at(const fs::path& path) {
+std::uint64_t free_bytes_at(const fs::path& folder) {
   std::error_code error;
-  const auto folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   const auto space = fs::space(folder, error);
   return error ? 0 : space.available;
 }
@@ -41,8 +40,9 @@ std::uint64_t bytes_of(const std::vector<take::Segment>& segments) {
 
 }  // namespace
 
-TakeRow::TakeRow(const RigConfig& config, const Devices& devices, const RecordOptions& options,
-                 take::TakeInfo info, LensStream* lens)
+SegmentRecorder::SegmentRecorder(const RigConfig& config, const Devices& devices,
+                                 const RecordOptions& options, take::TakeInfo info,
+                                 LensStream* lens)
     : config_(config),
       devices_(devices),
       options_(options),
@@ -50,21 +50,23 @@ TakeRow::TakeRow(const RigConfig& config, const Devices& devices, const RecordOp
       info_(std::move(info)),
       lens_(lens) {}
 
-TakeRow::~TakeRow() {
+SegmentRecorder::~SegmentRecorder() {
   if (closing_.joinable()) closing_.join();
 }
 
-std::uint64_t TakeRow::free_bytes() const {
-  return options_.free_bytes ? options_.free_bytes(options_.out) : free_bytes_at(options_.out);
+std::uint64_t SegmentRecorder::free_bytes() const {
+  if (options_.free_bytes) return options_.free_bytes(options_.out);
+  if (segments_.any()) return free_bytes_at(options_.out);  // it may be a disk of its own
+  return free_bytes_at(options_.out.has_parent_path() ? options_.out.parent_path() : ".");
 }
 
-bool TakeRow::is_over_share(std::uint64_t further_bytes) const {
+bool SegmentRecorder::is_over_share(std::uint64_t further_bytes) const {
   return segments_.most_bytes > 0 && whole_bytes_ + further_bytes > segments_.most_bytes;
 }
 
 /// Deletes the oldest whole segments, but not the last one, until `wanted_bytes` fit into the share
 /// and onto the disk.
-void TakeRow::make_space(std::uint64_t wanted_bytes) {
+void SegmentRecorder::make_space(std::uint64_t wanted_bytes) {
   std::vector<take::Segment> whole = whole_segments(options_.out);
   whole_bytes_ = bytes_of(whole);
   if (!segments_.drop_oldest) return;
@@ -84,7 +86,7 @@ void TakeRow::make_space(std::uint64_t wanted_bytes) {
   }
 }
 
-Result<std::unique_ptr<TakeRecorder>> TakeRow::next_recorder() {
+Result<std::unique_ptr<TakeRecorder>> SegmentRecorder::next_recorder() {
   fs::path out = options_.out;
   if (segments_.any()) {
     MIXRIG_ASSIGN(out, take::next_segment(options_.out));
@@ -96,7 +98,7 @@ Result<std::unique_ptr<TakeRecorder>> TakeRow::next_recorder() {
   return recorder;
 }
 
-Result<void> TakeRow::open() {
+Result<void> SegmentRecorder::open() {
   if (segments_.any()) {
     MIXRIG_TRY(take::next_segment(options_.out));
     make_space(0);
@@ -121,7 +123,7 @@ Result<void> TakeRow::open() {
 }
 
 /// Waits for the take before. Errors: its own.
-Result<void> TakeRow::join() {
+Result<void> SegmentRecorder::join() {
   if (closing_.joinable()) closing_.join();
   closes_ = false;
   if (!error_) return {};
@@ -129,7 +131,7 @@ Result<void> TakeRow::join() {
 }
 
 /// Goes on in the next segment; a thread completes the one that was written.
-Result<void> TakeRow::turn() {
+Result<void> SegmentRecorder::turn() {
   MIXRIG_TRY(join());
   MIXRIG_ASSIGN(auto next, next_recorder());
   std::shared_ptr<TakeRecorder> done = std::exchange(recorder_, std::move(next));
@@ -152,7 +154,7 @@ Result<void> TakeRow::turn() {
   return {};
 }
 
-Result<bool> TakeRow::write(const LiveSet& set) {
+Result<bool> SegmentRecorder::write(const LiveSet& set) {
   if (failed_) MIXRIG_TRY(join());
   const Duration length = set.frames.frames[0].mid_exposure - recorder_->first();
   const bool is_long = segments_.length > Duration::zero() && length >= segments_.length;
@@ -160,7 +162,7 @@ Result<bool> TakeRow::write(const LiveSet& set) {
   return recorder_->write(set);
 }
 
-Result<std::string> TakeRow::ends_by_space() {
+Result<std::string> SegmentRecorder::ends_by_space() {
   const int number = recorder_->frames();
   if (number == 0 || number % kFramesPerDiskCheck != 0) return std::string();
   const bool is_scarce = free_bytes() < options_.least_free_bytes;
@@ -180,7 +182,7 @@ Result<std::string> TakeRow::ends_by_space() {
   return std::string(is_scarce ? "disk almost full" : "the folder has its share of the disk");
 }
 
-Result<void> TakeRow::finish() {
+Result<void> SegmentRecorder::finish() {
   const Result<void> before = join();
   if (recorder_->frames() == 0 && earlier_ > 0) return before;
   const Result<void> done = recorder_->finish();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/capture/take/segments.h"
+#include "host/capture/take/segments/segments.h"
 
 #include <algorithm>
 #include <charconv>

@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include "host/capture/take/segments.h"
+#include "host/capture/take/segments/segments.h"
 #include "host/capture/take/take_state.h"
 #include "host/capture/take/tell_once.h"
 
