@@ -395,24 +395,6 @@ TEST(Key, a_strip_of_the_room_under_peoples_depth_is_no_colour_of_people) {
 }
 
 /// The wall beside who walks is darker than it was learned, by more than a shadow of colour votes.
-TEST(Key, a_shade_of_the_shirt_is_a_person_where_no_colour_was_learned) {
-  constexpr float kPart = 0.3F;  // of the way from the shirt to the wall
-  Keyed k;
-  k.color = {}, k.color_sigma = {};
-  k.person(16, 0, 32, 64);
-  k.paint(16, 0, 32, 64, kShirt);
-  k.paint(32, 0, 40, 64,
-          {kShirt.r + kPart * (kWall.r - kShirt.r), kShirt.g + kPart * (kWall.g - kShirt.g),
-           kShirt.b + kPart * (kWall.b - kShirt.b)});
-  for (int y = 0; y < 64; ++y)
-    for (int x = 32; x < 40; ++x) k.w.at(x, y) = 0;
-  k.run();
-  for (int y = 8; y < 56; ++y) {
-    EXPECT_TRUE(k.is_person(36, y)) << y;
-    EXPECT_FALSE(k.is_person(44, y)) << y;
-  }
-}
-
 /// A striped shirt before the wall and a warm strip without depth beside it. The hue of the wall
 /// around varies by `hue` from block to block.
 Keyed warm_strip(float hue) {
