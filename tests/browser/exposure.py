@@ -82,7 +82,7 @@ def plays_takes(page, rig, out):
     field(page, "play", take["name"]).click()
     shown = lambda: int(page.execute_script("return document.getElementById('player-picture').dataset.frame || 0"))
     comes_true("the first pictures", lambda: shown() >= 2)
-    assert page.execute_script("return document.getElementById('player-picture').naturalWidth") == 640
+    assert page.execute_script("return document.getElementById('player-picture').naturalWidth") == 320
     if out:
         page.save_screenshot(str(out / "player.png"))
     comes_true("the end", lambda: shown() == take["frames"] and by_id(page, "player-play").text == "Play")

@@ -20,7 +20,7 @@ def shows_a_live_picture(page):
         time.sleep(0.05)
     print(f"age of the picture in the page: median {sorted(ages)[10]:.0f} ms, most {max(ages):.0f} ms")
     size = page.execute_script("const c = document.getElementById('canvas'); return [c.width, c.height]")
-    assert size == [640, 512], size
+    assert size == [320, 256], size
     colors = page.execute_script(
         "const c = document.getElementById('canvas');"
         "return new Set(new Uint32Array(c.getContext('2d').getImageData(0, 0, c.width, c.height).data.buffer)).size")
@@ -157,8 +157,8 @@ def focuses(page, rig):
     by_id(page, "focus-pick").click()
     ActionChains(page).move_to_element_with_offset(by_id(page, "stage"), int(-0.25 * stage["width"]), int(
         0.25 * stage["height"])).click().perform()
-    comes_true("the pixel in scene.toml", lambda: abs(focus()["pixel"][0] - 160) < 4 and
-               abs(focus()["pixel"][1] - 384) < 4)
+    comes_true("the pixel in scene.toml", lambda: abs(focus()["pixel"][0] - 80) < 4 and
+               abs(focus()["pixel"][1] - 192) < 4)
     comes_true("the ring", lambda: page.find_elements(By.CSS_SELECTOR, ".handle.focus"))
     for name, text, key in (("focus-distance", "0.5", "distance_m"), ("focus-number", "0.5", "f_number")):
         types(by_id(page, name), text)

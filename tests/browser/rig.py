@@ -74,7 +74,7 @@ class Rig:
         self.folder = pathlib.Path(folder)
         self.scene_file = self.folder / "take/scene.toml"
         take = self.folder / "take"
-        render_take(mixrig, take, "--scenario walk --rig kinect2 --seed 7 --size 640x512 --frames 24")
+        render_take(mixrig, take, "--scenario walk --rig kinect2 --seed 7 --size 320x256 --frames 24")
         play_at(10, take)  # which a loaded machine can follow
         self.log = open(self.folder / "log", "w+")
         self.source = f"take:{take}"

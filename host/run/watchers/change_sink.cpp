@@ -167,7 +167,13 @@ Result<void> ChangeSink::collect(const output::Composite& composite) {
     return {};
   }
   collecting_ |= asked || options_.accept_all;
-  if (!collecting_ || watch_->seen_share() < 0.5) return {};
+  if (!collecting_) return {};
+  if (watch_->seen_share() < 0.5) {
+    if (asked)
+      log_warning("session",
+                  "what changed is hidden by people: it is learned once half of it is seen");
+    return {};
+  }
   kept_frames_.push_back({composite.capture, composite.world_from_target});
   if (kept_frames_.size() < kLearnFrames) return {};
   return learn();
