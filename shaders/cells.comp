@@ -7,6 +7,7 @@
 //   draw      arguments of glDrawElementsIndirect; count must be 0 before
 #include "common/precision.glsl"
 #include "common/constants.glsl"
+#include "common/grid.glsl"
 layout(local_size_x = 64) in;
 layout(binding = 0) uniform sampler2D vertices;
 layout(std430, binding = 0) buffer Draw { uint count, instances, first, base, reserved; } draw;
@@ -56,7 +57,7 @@ void cell(ivec2 at) {
 void main() {
   size = textureSize(vertices, 0);
   int cells_x = size.x - 1, i = int(gl_GlobalInvocationID.x);
-  if (i < cells_x * (size.y - 1)) cell(ivec2(i % cells_x, i / cells_x));
+  if (i < cells_x * (size.y - 1)) cell(place_in_grid(i, cells_x));
   // One request a group instead of one a cell.
   if (gl_LocalInvocationIndex == 0u) group_count = 0u;
   barrier();

@@ -7,6 +7,7 @@
 //   reaches   of warp_reach.frag
 #include "common/precision.glsl"
 #include "common/constants.glsl"
+#include "common/grid.glsl"
 #include "common/mesh.glsl"
 layout(binding = 2) uniform sampler2D reaches;
 uniform mat4 clip_from_camera;
@@ -17,14 +18,14 @@ out vec2 w_and_z;
 void main() {
   ivec2 size = textureSize(vertices, 0);
   int pixels = size.x * size.y;
-  int id = gl_VertexID < pixels ? gl_VertexID : (gl_VertexID - pixels) / 9;
-  ivec2 at = ivec2(id % size.x, id / size.x);
+  int id = gl_VertexID < pixels ? gl_VertexID : int(uint(gl_VertexID - pixels) / 9u);
+  ivec2 at = place_in_grid(id, size.x);
   vec4 vertex = texelFetch(vertices, at, 0);
   vec2 ray = texelFetch(tof_ray, at, 0).xy;
   float w = vertex.x;
   if (gl_VertexID >= pixels) {
-    int corner = (gl_VertexID - pixels) % 9;
-    ivec2 to = ivec2(corner % 3 - 1, corner / 3 - 1);
+    int corner = gl_VertexID - pixels - 9 * id, side = int(corner > 2) + int(corner > 5);
+    ivec2 to = ivec2(corner - 3 * side, side) - 1;
     vec4 reach = texelFetch(reaches, at, 0);
     vec2 step_x = to.x == 0 ? vec2(0) : half_step(at, ray, ivec2(to.x, 0));
     vec2 step_y = to.y == 0 ? vec2(0) : half_step(at, ray, ivec2(0, to.y));

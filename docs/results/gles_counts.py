@@ -44,16 +44,24 @@ def run(take, build, last):
 
 
 def instructions():
-    """Name -> instructions of the fragment stage on V3D 7.1, by board_shaders.md."""
-    rows = re.findall(r"(?m)^\| (\w+) \| (\d+)/", (HERE / "board_shaders.md").read_text())
-    return {name: int(count) for name, count in rows}
+    """Name -> instructions of a pixel and of a vertex on V3D 7.1, by board_shaders.md.
+
+    A vertex stage that several programs share stands with one of them; tilers run it twice.
+    """
+    rows = re.findall(r"(?m)^\| (\w+) \| (.*) \|$", (HERE / "board_shaders.md").read_text())
+    counts = {name: [int(n) for n in re.findall(r"(\d+)/\d", text)] for name, text in rows}
+    programs = (HERE.parent.parent / "tests/board_shaders/programs.txt").read_text()
+    stages = {name: vertex for vertex, name in re.findall(r"(?m)^(\w+) (\w+) ", programs)}
+    shared = {stages.get(name): sum(all[1:]) for name, all in counts.items() if len(all) > 1}
+    return {name: (all[0], shared.get(stages.get(name), 0)) for name, all in counts.items() if all}
 
 
 def page(name, rows):
     v3d = instructions()
     total_in = sum(r[3] for r in rows.values())
     total_out = sum(r[4] for r in rows.values())
-    issued = sum(r[1] * v3d.get(n, 0) for n, r in rows.items())
+    issued = {name: r[1] * v3d.get(name, (0, 0))[0] + r[2] * v3d.get(name, (0, 0))[1]
+              for name, r in rows.items()}
     bounds = ", ".join(f"{board} {(total_in + total_out) / rate / 1e6:.0f} ms"
                        for board, rate in MEMORY_GB_S.items())
     lines = ["<!-- Made by docs/results/gles_counts.py -->",
@@ -64,19 +72,22 @@ def page(name, rows):
              " and writes its pixels once. Pixels that",
              "leave early read less: bytes read are an upper limit with perfect caches. Instructions"
              " are V3D 7.1's of [the drivers' table](board_shaders.md),",
-             "where a loop's body counts once.", "",
+             "where a loop's body counts once; the vertices of warp, drawn indirectly, are not counted.", "",
              f"By memory alone: {bounds}. By instructions alone, Pi 5:"
-             f" {1e3 * issued / V3D_LANES_PER_S:.0f} ms.", "",
-             "| program | draws | Mpixels | MB read | MB written | instructions | Ginstructions |",
-             "|---|---|---|---|---|---|---|",
+             f" {1e3 * sum(issued.values()) / V3D_LANES_PER_S:.0f} ms.", "",
+             "| program | draws | Mpixels | Mvertices | MB read | MB written | instructions a pixel, a"
+             " vertex | Ginstructions |",
+             "|---|---|---|---|---|---|---|---|",
              f"| **all** | {sum(r[0] for r in rows.values()):.0f} |"
-             f" {sum(r[1] for r in rows.values()) / 1e6:.2f} | {total_in / 1e6:.1f} |"
-             f" {total_out / 1e6:.1f} | | {issued / 1e9:.2f} |"]
+             f" {sum(r[1] for r in rows.values()) / 1e6:.2f} |"
+             f" {sum(r[2] for r in rows.values()) / 1e6:.2f} | {total_in / 1e6:.1f} |"
+             f" {total_out / 1e6:.1f} | |"
+             f" {sum(issued.values()) / 1e9:.2f} |"]
     for name, r in sorted(rows.items(), key=lambda item: -(item[1][3] + item[1][4])):
-        count = v3d.get(name)
-        lines.append(f"| {name} | {r[0]:.0f} | {r[1] / 1e6:.2f} | {r[3] / 1e6:.1f} |"
-                     f" {r[4] / 1e6:.1f} | {count or ''} |"
-                     f" {f'{count * r[1] / 1e9:.2f}' if count else ''} |")
+        count = ", ".join(str(n) for n in v3d.get(name, ()) if n)
+        lines.append(f"| {name} | {r[0]:.0f} | {r[1] / 1e6:.2f} | {r[2] / 1e6:.2f} | {r[3] / 1e6:.1f} |"
+                     f" {r[4] / 1e6:.1f} | {count} |"
+                     f" {f'{issued[name] / 1e9:.2f}' if count else ''} |")
     return "\n".join(lines) + "\n"
 
 

@@ -22,6 +22,8 @@
 #include <GLES3/gl31.h>
 #include <dlfcn.h>
 
+#include "host/render/contract/constants.h"
+
 namespace {
 
 struct Count {
@@ -158,12 +160,21 @@ Area area() {
   return {all, glIsEnabled(GL_SCISSOR_TEST) ? static_cast<double>(box[2]) * box[3] : all};
 }
 
-/// Share of blocks whose flags (unit 13) a block step draws; 1 for other programs.
+/// Value of an integer uniform, of up to four numbers; 0 for an unknown one.
+std::array<GLint, 4> integers(GLuint program, const char* name) {
+  std::array<GLint, 4> values{};
+  const GLint at = glGetUniformLocation(program, name);
+  if (at >= 0) glGetUniformiv(program, at, values.data());
+  return values;
+}
+
+/// Share of blocks that a block step draws (shaders/blocks.vert); 1 for other programs.
 double share_of_blocks(GLuint program, GLsizei vertices) {
-  const GLint at = glGetUniformLocation(program, "wanted_flags");
-  if (at < 0) return 1;
-  GLint wanted = 0, active = 0, texture = 0, before = 0;
-  glGetUniformiv(program, at, &wanted);
+  if (glGetUniformLocation(program, "wanted_flags") < 0) return 1;
+  const GLint wanted = integers(program, "wanted_flags")[0];
+  const bool others = integers(program, "others")[0] != 0;
+  const std::array<GLint, 4> rect = integers(program, "wanted_px");
+  GLint active = 0, texture = 0, before = 0;
   glGetIntegerv(GL_ACTIVE_TEXTURE, &active);
   GL_COUNTS_REAL(glActiveTexture)(GL_TEXTURE13);
   glGetIntegerv(GL_TEXTURE_BINDING_2D, &texture);
@@ -184,7 +195,11 @@ double share_of_blocks(GLuint program, GLsizei vertices) {
   for (std::size_t i = 0; i < pixels.size(); i += 16) {
     float flags = 0;
     std::copy_n(pixels.data() + i, sizeof flags, reinterpret_cast<char*>(&flags));
-    drawn += (static_cast<int>(flags) & wanted) != 0;
+    constexpr int kPx = mixrig::render::kBlockPx;
+    const int block = static_cast<int>(i / 16), x = block % level.size[0] * kPx,
+              y = block / level.size[0] * kPx;
+    const bool in_rect = x + kPx > rect[0] && y + kPx > rect[1] && x < rect[2] && y < rect[3];
+    drawn += (in_rect || (static_cast<int>(flags) & wanted) != 0) != others;
   }
   return 6.0 * drawn / vertices;
 }

@@ -52,8 +52,16 @@ class MixPassTest : public GlTest {
     bind(*target);
     glClearColor(shaded.r, shaded.g, shaded.b, shaded.a);
     glClear(GL_COLOR_BUFFER_BIT);
-    const MixInput input{&plate,  &visible_w,     &mattes,    &wall, &learned,
-                         &lights, &virtual_color, &virtual_w, tone};
+    const Texture people = make_texture(
+        Image<float>(blocks_of(kMixView), matte > 0 ? static_cast<float>(kMayShowPeople) : 0.0F)
+            .view(),
+        GL_R32F);
+    MixInput input;
+    input.plate = &plate, input.people = &people, input.visible_w = &visible_w;
+    input.matte = &mattes, input.background_m = &wall, input.learned = &learned;
+    input.light = &lights;
+    input.virtual_color = &virtual_color, input.virtual_w = &virtual_w;
+    input.objects = objects, input.tone = tone;
     EXPECT_TRUE(pass->draw(input, render::kAll));
     std::array<ReadBack, 4> read_backs;
     read_backs[0].start_rgba(pass->target(), kMixColor);
@@ -77,7 +85,34 @@ class MixPassTest : public GlTest {
   render::ToneCurve tone;
   float w = 0.25F, wall_m = 4, light = 1, virtual_m = 3;
   glm::vec4 shaded{0.1F, 0.3F, 0.05F, 1};  // premultiplied
+  render::Rect objects{0, 0, kMixView.width, kMixView.height};
 };
+
+/// Blocks that neither people nor objects may touch are drawn by a program of their own.
+TEST_F(MixPassTest, a_block_of_the_room_alone_is_what_a_block_with_nobody_is) {
+  shaded = glm::vec4(0), light = 0.3F;
+  for (const float known_m : {4.0F, 0.0F}) {
+    wall_m = known_m;
+    objects = {0, 0, kMixView.width, kMixView.height};
+    const Out mixed = draw();
+    objects = {};
+    const Out alone = draw();
+    EXPECT_NEAR(alone.color.g, srgb_byte(0.3F * 0.5029F), 1);
+    EXPECT_EQ(alone.color, mixed.color);
+    EXPECT_FLOAT_EQ(alone.mixed_m, 4) << "the wall's, or as measured";
+    EXPECT_EQ(mixed.mixed_m, alone.mixed_m);
+    EXPECT_EQ(alone.segmented_m, 0);
+    EXPECT_EQ(alone.layer, 0);
+  }
+}
+
+TEST_F(MixPassTest, an_object_is_drawn_where_it_may_be_and_nowhere_else) {
+  objects = {render::kBlockPx - 1, render::kBlockPx - 1, kMixView.width,
+             kMixView.height};  // of the first block
+  EXPECT_NEAR(draw().color.g, srgb_byte(0.3F), 1);
+  objects = {render::kBlockPx, 0, kMixView.width, kMixView.height};
+  EXPECT_NEAR(draw().color.g, srgb_byte(0.5029F), 1);
+}
 
 TEST_F(MixPassTest, half_covered_pixel_of_a_person_is_matted_with_the_learned_wall) {
   matte = 51;  // 0.2

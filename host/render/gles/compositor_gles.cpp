@@ -164,6 +164,7 @@ Result<void> GlesCompositor::draw_mix(OutputMask wanted) {
   input.visible_w = people ? &people->visible_w() : &passes_.warp.w();
   input.matte = people ? &people->matte() : nullptr;
   input.background_m = tables_.has_background ? &room.depth_m(things_ != nullptr) : nullptr;
+  input.people = people ? &people->blocks() : nullptr;
   input.room = people ? &people->room() : nullptr;
   input.learned = &room.color();
   input.light = light_map() != nullptr ? &light_map()->light() : nullptr;

@@ -58,6 +58,7 @@ inline void set_uniform(GLint at, float v) { glUniform1f(at, v); }
 inline void set_uniform(GLint at, const glm::vec2& v) { glUniform2f(at, v.x, v.y); }
 inline void set_uniform(GLint at, const glm::ivec2& v) { glUniform2i(at, v.x, v.y); }
 inline void set_uniform(GLint at, const glm::ivec3& v) { glUniform3i(at, v.x, v.y, v.z); }
+inline void set_uniform(GLint at, const glm::ivec4& v) { glUniform4i(at, v.x, v.y, v.z, v.w); }
 inline void set_uniform(GLint at, const glm::vec3& v) { glUniform3f(at, v.x, v.y, v.z); }
 inline void set_uniform(GLint at, const glm::vec4& v) { glUniform4f(at, v.x, v.y, v.z, v.w); }
 inline void set_uniform(GLint at, const glm::mat3& v) {

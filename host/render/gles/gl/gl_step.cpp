@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/render/gles/gl/gl_step.h"
 
+#include "host/render/contract/constants.h"
+
 namespace mixrig::render::gles {
 namespace {
 
@@ -26,6 +28,10 @@ Result<Step> make_step(const char* fragment_stage, std::initializer_list<const T
   MIXRIG_ASSIGN(step.program, make_program("fullscreen.vert", fragment_stage));
   MIXRIG_ASSIGN(step.target, make_target(outputs, depth));
   return step;
+}
+
+Size blocks_of(Size picture) {
+  return {(picture.width + kBlockPx - 1) / kBlockPx, (picture.height + kBlockPx - 1) / kBlockPx};
 }
 
 Result<Step> make_block_step(const char* fragment_stage,

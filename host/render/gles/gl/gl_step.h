@@ -18,6 +18,8 @@ struct Step {
 /// Errors: those of make_program and make_target.
 Result<Step> make_step(const char* fragment_stage, std::initializer_list<const Texture*> outputs,
                        const Texture* depth = nullptr);
+/// Number of blocks of kBlockPx that cover a picture.
+Size blocks_of(Size picture);
 /// Makes a step that draws only blocks with one of `wanted_flags` (shaders/blocks.vert); a block is
 /// `pitch_px` wide. Errors: those of make_step.
 Result<Step> make_block_step(const char* fragment_stage,

@@ -22,8 +22,7 @@ Result<KeyPass> KeyPass::create(const Tables& tables, LearnedColor learned,
                                 const KeyPassParams& params, bool joins) {
   KeyPass pass;
   const Size view = tables.view_size;
-  const Size blocks{(view.width + kBlockPx - 1) / kBlockPx,
-                    (view.height + kBlockPx - 1) / kBlockPx};
+  const Size blocks = blocks_of(view);
   const Size tiles{blocks.width * (kBlockPx + 2), blocks.height * (kBlockPx + 2)};
   pass.use_color_ = params.color;
   pass.has_learned_ = learned.there;

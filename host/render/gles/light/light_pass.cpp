@@ -84,8 +84,7 @@ Result<LightPass> LightPass::create(const Tables& tables, const CompositorSetup&
   pass.virtual_color_ = make_texture(view, GL_RGBA16F);
   pass.virtual_w_ = make_texture(view, GL_R32F);
   MIXRIG_ASSIGN(pass.background_, make_step("light_background.frag", {&pass.background_light_}));
-  pass.taken_ = make_texture(
-      {(view.width + kBlockPx - 1) / kBlockPx, (view.height + kBlockPx - 1) / kBlockPx}, GL_R8);
+  pass.taken_ = make_texture(blocks_of(view), GL_R8);
   MIXRIG_ASSIGN(pass.find_taken_, make_step("light_blocks.frag", {&pass.taken_}));
   pass.hides_ = make_texture(view, GL_R8);
   MIXRIG_ASSIGN(pass.hidden_, make_block_step("light_hidden.frag", {&pass.hides_}, 1, kBlockPx));

@@ -6,8 +6,7 @@ namespace mixrig::render::gles {
 Result<PeopleShadowPass> PeopleShadowPass::create(const Tables& tables) {
   PeopleShadowPass pass;
   const Size view = tables.view_size;
-  const Size blocks{(view.width + kBlockPx - 1) / kBlockPx,
-                    (view.height + kBlockPx - 1) / kBlockPx};
+  const Size blocks = blocks_of(view);
   pass.w_ = make_texture(blocks, GL_R32F);
   pass.balls_ = make_texture(blocks, GL_RGBA32F);
   MIXRIG_ASSIGN(pass.find_w_, make_step("people_w.frag", {&pass.w_}));

@@ -103,6 +103,7 @@ Result<void> VirtualThings::light(const Room& room, const KeyPass* key, bool peo
 
 void VirtualThings::blur(const std::optional<CameraMotion>& motion) {
   mixed_color_ = &edges_.virtual_color(), mixed_w_ = &edges_.virtual_w();
+  mixed_rect_ = frame_->virtual_rect;
   if (look_ && look_->blurs()) {
     if (shaded_) look_->draw(frame_->virtual_rect, *mixed_color_, *mixed_w_);
     mixed_color_ = &look_->virtual_color(), mixed_w_ = &look_->virtual_w();
@@ -113,10 +114,13 @@ void VirtualThings::blur(const std::optional<CameraMotion>& motion) {
   if (!params.blurs()) return;
   motion_->draw(params, *mixed_color_, *mixed_w_);
   mixed_color_ = &motion_->virtual_color(), mixed_w_ = &motion_->virtual_w();
+  const Size view = mixed_color_->size;
+  mixed_rect_ = {0, 0, view.width, view.height};  // motion may carry them anywhere
 }
 
 void VirtualThings::add_to(MixInput& input) const {
   input.virtual_color = mixed_color_ != nullptr ? mixed_color_ : &edges_.virtual_color();
+  input.objects = mixed_rect_;
   input.virtual_w = mixed_w_ != nullptr ? mixed_w_ : &edges_.virtual_w();
   if (!look_ || look_->noise() == nullptr) return;
   input.noise = look_->noise();

@@ -69,6 +69,7 @@ class VirtualThings {
   bool shaded_ = false;  ///< since they were last blurred
   std::optional<MotionPass> motion_;
   const Texture *mixed_color_ = nullptr, *mixed_w_ = nullptr;  ///< of this frame
+  Rect mixed_rect_;                                            ///< pixels that they may touch
   std::uint32_t frames_ = 0;
   bool has_shadows_ = false;
 };
