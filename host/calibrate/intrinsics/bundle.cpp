@@ -101,6 +101,7 @@ bool solve(Bundle& bundle, double huber_px, Precision precision) {
   ceres::Solver::Options options;
   options.linear_solver_type =
       bundle.free.empty() ? ceres::SPARSE_NORMAL_CHOLESKY : ceres::DENSE_SCHUR;
+  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // SuiteSparse has GPL parts
   options.max_num_iterations = precision == Precision::kFull ? 200 : 30;
   options.function_tolerance = precision == Precision::kFull ? 1e-12 : 1e-4;
   options.parameter_tolerance = 1e-12;

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that NOTICE lists the shared libraries that a program links, and the GStreamer packages that the sources name.
+"""Checks that NOTICE lists the shared libraries that a program links, and the GStreamer packages that the sources name;
+and that no solver of Ceres uses SuiteSparse.
 
-usage: check_libraries.py PROGRAM NOTICE SOURCE_FOLDER
+usage: check_libraries.py PROGRAM NOTICE SOURCE_FOLDER...
 """
 import pathlib
 import re
@@ -17,12 +18,14 @@ def listed(notice, head):
 
 
 def main():
-    program, notice, sources = sys.argv[1], pathlib.Path(sys.argv[2]).read_text(), pathlib.Path(sys.argv[3])
+    program, notice = sys.argv[1], pathlib.Path(sys.argv[2]).read_text()
+    sources = {file: file.read_text() for folder in sys.argv[3:] for file in pathlib.Path(folder).rglob("*.cpp")}
     needed = re.findall(r"\(NEEDED\).*\[(.*?)\.so", subprocess.run(["readelf", "-d", program], check=True, text=True,
                                                                   stdout=subprocess.PIPE).stdout)
     linked = {name for name in needed if not name.startswith(("ld-linux", "libasan", "libubsan", "libtsan"))}
-    loaded = {name for file in sources.rglob("*.cpp") for name in re.findall(r"gstreamer1\.0-[a-z-]*[a-z]", file.read_text())}
-    faults = []
+    loaded = {name for text in sources.values() for name in re.findall(r"gstreamer1\.0-[a-z-]*[a-z]", text)}
+    faults = [f"{file}: ceres::Solver::Options without EIGEN_SPARSE: its solver would be SuiteSparse's, see NOTICE"
+              for file, text in sources.items() if "ceres::Solver::Options" in text and "= ceres::EIGEN_SPARSE;" not in text]
     for head, used in (("linked", linked), ("loaded", loaded)):
         rows = listed(notice, head)
         faults += [f"{name} is {head}, and NOTICE has no licence for it" for name in sorted(used - rows)]

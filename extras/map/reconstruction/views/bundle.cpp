@@ -68,6 +68,7 @@ bool adjust(Bundle& bundle, int iterations, int threads) {
   ceres::Solver::Options options;
   constexpr std::size_t kDense = 80;
   options.linear_solver_type = views.size() > kDense ? ceres::SPARSE_SCHUR : ceres::DENSE_SCHUR;
+  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // SuiteSparse has GPL parts
   options.max_num_iterations = iterations;
   options.num_threads = threads;
   options.logging_type = ceres::SILENT;
