@@ -117,6 +117,8 @@ Result<session::RunOptions> parse_options(const RunArguments& arguments, const C
     return Error{ErrorCode::kUsage, "--osc-in needs --page: add it"};
   if (!arguments.page.proxied.empty() && !arguments.page.serves)
     return Error{ErrorCode::kUsage, "--page-proxy needs --page: add it"};
+  if (!arguments.page.token_file.empty() && !arguments.page.serves)
+    return Error{ErrorCode::kUsage, "--page-token needs --page: add it"};
   options.epoch = [&clock] {
     return Duration(std::chrono::system_clock::now().time_since_epoch()).count() -
            clock.now().time_since_epoch().count();

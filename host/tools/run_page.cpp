@@ -17,6 +17,9 @@ void add_page_options(Command command, PageArguments& arguments) {
   command.add_option("--page-proxy", arguments.proxied,
                      "HOST by which a reverse proxy on this machine serves the page by https; "
                      "needs --page");
+  command.add_option("--page-token", arguments.token_file,
+                     "FILE with the token that the page then asks for on this machine, too; it is "
+                     "made where there is none, and renewed when it is removed; needs --page");
   command
       .add_option("--record-to", arguments.takes,
                   "folder that the page's recordings are written to")
@@ -33,9 +36,11 @@ Result<PageRun> open_page(const PageArguments& arguments, session::Session& sess
   MIXRIG_ASSIGN(page::Listen listen, page::parse_listen(arguments.listen));
   if (!arguments.proxied.empty()) MIXRIG_TRY(page::check_proxied(arguments.proxied));
   listen.proxied = arguments.proxied;
+  listen.token_file = arguments.token_file;
   std::optional<page::Listen> osc;
   if (arguments.takes_osc) {
     MIXRIG_ASSIGN(osc, page::parse_osc_listen(arguments.osc_in));
+    osc->token_file = arguments.token_file;
   }
   const bool live = session.source->info().is_live();
   if (!live) session.source = session::played(std::move(session.source), clock);
@@ -49,6 +54,8 @@ Result<PageRun> open_page(const PageArguments& arguments, session::Session& sess
   parts.sinks.push_back(run.desk->make_sink());
   parts.sinks.push_back(run.server->make_sink());
   std::fprintf(stderr, "page: %s\n", run.server->url().c_str());
+  if (!listen.token_file.empty())
+    std::fprintf(stderr, "page: add ?token= and the token in %s\n", listen.token_file.c_str());
   if (osc) std::fprintf(stderr, "osc: %s\n", run.server->osc_text().c_str());
   return run;
 }

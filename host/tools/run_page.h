@@ -19,9 +19,9 @@ struct PageArguments {
   bool serves = false;     ///< --page was given
   bool takes_osc = false;  ///< --osc-in was given
   double segment_s = 0;    ///< of the page's recordings
-  std::string listen, proxied, takes = "recordings", osc_in;
+  std::string listen, proxied, token_file, takes = "recordings", osc_in;
 };
-/// Adds --page, --page-proxy, --record-to and --osc-in.
+/// Adds --page, --page-proxy, --page-token, --record-to and --osc-in.
 void add_page_options(Command command, PageArguments& arguments);
 
 /// Serves the page while the object lives.

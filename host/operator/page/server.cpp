@@ -19,6 +19,7 @@
 #include "host/operator/page/osc/osc_port.h"
 #include "host/operator/page/pictures/picture_sink.h"
 #include "host/operator/page/pictures/picture_stream.h"
+#include "host/operator/page/token_file.h"
 #include "host/operator/page/webrtc/webrtc_socket.h"
 
 namespace mixrig::page {
@@ -98,12 +99,15 @@ struct Server::Impl {
   void accept();
   void accept_later();
   void tell_later();
+  Result<void> open_guard(const Listen& listen, bool loopback);
+  void renew_token();
   void serve();
 
   Hub hub;
   tcp::acceptor acceptor{hub.io};
   asio::steady_timer timer{hub.io}, pause{hub.io};
   OscPort osc{hub};
+  std::optional<TokenFile> token_file;
   std::string url, osc_text;
   std::uint16_t port = 0;
   std::thread thread;
@@ -123,19 +127,41 @@ Result<void> Server::Impl::open(const Listen& listen) {
                         error.value());
   port = acceptor.local_endpoint().port();
   url = "http://" + host_text(wanted.address()) + ":" + std::to_string(port) + "/";
-  if (wanted.address().is_loopback() && listen.proxied.empty()) return {};
-  hub.guard.token = random_token();
+  return open_guard(listen, wanted.address().is_loopback());
+}
+
+/// Who may use the page. A token that has a file is not told by the address, which logs keep.
+Result<void> Server::Impl::open_guard(const Listen& listen, bool loopback) {
   if (hub.guard.proxied = listen.proxied; !listen.proxied.empty())
     url = "https://" + listen.proxied + "/";
-  url += "?token=" + hub.guard.token;
+  if (!listen.token_file.empty()) {
+    token_file.emplace(listen.token_file);
+    MIXRIG_ASSIGN(hub.guard.token, token_file->read());
+  } else if (!loopback || !listen.proxied.empty()) {
+    hub.guard.token = random_token();
+    url += "?token=" + hub.guard.token;
+  }
   return {};
+}
+
+/// Takes a new token from its file. What was connected by the old one ends.
+void Server::Impl::renew_token() {
+  const auto token = token_file ? token_file->changed() : std::nullopt;
+  if (!token) return;
+  if (!*token) return log_warning("page", (*token).error().context + "; the old token stays");
+  if (**token == hub.guard.token) return;
+  hub.guard.token = **token;
+  if (hub.osc != nullptr) osc.renew_prefix();
+  hub.visitors.end_all();
+  log_warning("page", "the token was renewed");
 }
 
 Result<void> Server::Impl::open_osc(const Listen& listen) {
   MIXRIG_TRY(osc.open(listen));
   hub.osc = &osc;
   osc_text = host_text(asio::ip::make_address(listen.address)) + ":" + std::to_string(osc.port()) +
-             ", addresses begin with " + osc.prefix() + "/mixrig/";
+             ", addresses begin with " + (listen.token_file.empty() ? osc.prefix() : "/TOKEN") +
+             "/mixrig/";
   return {};
 }
 
@@ -162,6 +188,7 @@ void Server::Impl::tell_later() {
   timer.async_wait([this](boost::system::error_code error) {
     if (error) return;
     hub.visitors.end_late(hub.clock.now());
+    renew_token();
     hub.tell();
     tell_later();
   });

@@ -22,6 +22,7 @@ struct Listen {
   std::string address = "127.0.0.1";
   std::uint16_t port = kDefaultPort;  ///< 0: a free port is chosen
   std::string proxied{};              ///< Guard::proxied
+  std::string token_file{};           ///< path of the token's file; empty: none
 };
 
 /// Parses "", "ADDRESS", "ADDRESS:PORT", "[ADDRESS]:PORT" or "localhost:PORT". Errors: kUsage.
@@ -35,12 +36,14 @@ Result<Listen> parse_osc_listen(std::string_view text);
 /// request yet (Visitors), the first header within 5 s, headers of 8 KiB, bodies of 64 KiB (a
 /// model: 64 MiB, into a temporary file), 30 s without a request. On the loop-back address the page
 /// is for this machine alone; on another one, and through a
-/// reverse proxy of this machine, it needs a token, which url() contains.
+/// reverse proxy of this machine, it needs a token, which url() contains. With a token's file it
+/// needs that token everywhere; a file that is changed or removed renews it, which ends all
+/// connections.
 class Server {
  public:
   /// Starts serving; with `osc_in` it also receives OSC at that address. `run` and `clock` outlive
   /// the server, `orders` also its sink. Errors: kUsage for an address that this machine does not
-  /// have; kIo where the port is taken.
+  /// have, or a token's file that others may read; kIo where the port is taken.
   static Result<std::unique_ptr<Server>> start(Operator& run, output::RunOrders& orders,
                                                const Clock& clock, const Listen& listen,
                                                const std::optional<Listen>& osc_in = {});
@@ -49,7 +52,7 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// Address of the page, with the token if one is needed.
+  /// Address of the page, with the token if one is needed and has no file.
   const std::string& url() const;
   std::uint16_t port() const;
   /// Address for OSC and prefix of its messages: "127.0.0.1:8438, addresses begin with /mixrig/".

@@ -42,6 +42,14 @@ void Visitors::end_late(HostTime now) {
   }
 }
 
+void Visitors::end_all() {
+  for (Entry& one : all_) {
+    if (one.state == State::kEnding) continue;
+    one.state = State::kEnding;
+    one.end();
+  }
+}
+
 Visitors::Place::Place(Visitors& visitors, std::string address, HostTime came,
                        std::function<void()> end)
     : visitors_(&visitors) {

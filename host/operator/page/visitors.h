@@ -54,6 +54,8 @@ class Visitors {
 
   /// Ends the guests that came kMostFirstHeader before `now`, however much they have sent.
   void end_late(HostTime now);
+  /// Ends all connections.
+  void end_all();
 
  private:
   std::size_t count(bool guests, const std::string* address = nullptr) const;

@@ -38,10 +38,14 @@ Result<void> OscPort::open(const Listen& listen) {
                             std::to_string(listen.port) + ": choose another one by --osc-in",
                         error.value());
   port_ = socket_.local_endpoint().port();
-  if (!wanted.address().is_loopback())
-    prefix_ = "/" + (hub_.guard.token.empty() ? random_token() : hub_.guard.token);
+  has_prefix_ = !wanted.address().is_loopback() || !listen.token_file.empty();
+  renew_prefix();
   receive();
   return {};
+}
+
+void OscPort::renew_prefix() {
+  if (has_prefix_) prefix_ = "/" + (hub_.guard.token.empty() ? random_token() : hub_.guard.token);
 }
 
 void OscPort::receive() {

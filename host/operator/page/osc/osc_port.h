@@ -11,17 +11,17 @@
 #include <boost/asio/ip/udp.hpp>
 #include <nlohmann/json.hpp>
 
-#include "host/output/datagrams/osc_reader.h"
 #include "host/operator/page/server.h"
+#include "host/output/datagrams/osc_reader.h"
 
 namespace mixrig::page {
 
 struct Hub;
 
 /// A UDP port. The last eight senders of a readable message get the state, and each change of it,
-/// at the address and port they send from. Beyond the loop-back address an OSC address must begin
-/// with "/TOKEN", the page's token if it has one; other messages are dropped without an answer.
-/// Used on the server's thread.
+/// at the address and port they send from. Beyond the loop-back address, and where the token has a
+/// file, an OSC address must begin with "/TOKEN", the page's token if it has one; other messages
+/// are dropped without an answer. Used on the server's thread.
 class OscPort {
  public:
   explicit OscPort(Hub& hub);
@@ -29,6 +29,8 @@ class OscPort {
   Result<void> open(const Listen& listen);
   void tell(const nlohmann::json& state);
   std::uint16_t port() const { return port_; }
+  /// Takes the page's token, which has changed.
+  void renew_prefix();
   /// Prefix of OSC addresses: "" or "/TOKEN".
   const std::string& prefix() const { return prefix_; }
 
@@ -49,6 +51,7 @@ class OscPort {
   Hub& hub_;
   boost::asio::ip::udp::socket socket_;
   std::uint16_t port_ = 0;
+  bool has_prefix_ = false;
   std::string prefix_;
   std::array<std::uint8_t, 4096> buffer_{};
   Endpoint from_;
