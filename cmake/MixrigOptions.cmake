@@ -34,6 +34,12 @@ if(MIXRIG_ASSERTS)
     endforeach()
   endforeach()
 endif()
+# Faults of memory end the program where they can be noticed, as in Debian's packages.
+option(MIXRIG_HARDEN "Checks of buffers, stack and containers in optimised builds" OFF)
+if(MIXRIG_HARDEN)
+  add_compile_options(-fstack-protector-strong -fstack-clash-protection -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2 -D_GLIBCXX_ASSERTIONS)
+  add_link_options(-Wl,-z,relro,-z,now)
+endif()
 option(MIXRIG_FUZZ "Build libFuzzer targets (clang only)" OFF)
 set(MIXRIG_MARCH "native" CACHE STRING
     "-march of the host build; native is this machine's level (MixrigMarch.cmake), empty the compiler's default")
