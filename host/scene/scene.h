@@ -46,7 +46,8 @@ struct Model {
 /// Reads .gltf or .glb (decided by content): meshes, node transforms, and from materials base
 /// colour, metallic-roughness, normal and emissive maps, and the factors of KHR_materials_specular
 /// and _emissive_strength; emission brighter than white is clamped to white.
-/// Errors: kNotFound, kFormat (missing buffer or picture, index out of range, no triangles).
+/// Errors: kNotFound, kFormat (missing buffer or picture, index out of range, no triangles), kIo
+/// (no memory).
 Result<Model> load_gltf(const std::filesystem::path& path);
 
 /// Bounding box of all vertices, in the model's axes. Precondition of bounds(): the model has a

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "hal/base/guarded.h"
 #include "host/capture/capture/fisheye.h"
 #include "host/capture/take/streams/picture_files.h"
 #include "host/capture/take/take_state.h"
@@ -119,25 +120,29 @@ Result<void> TakeReader::read(int number, capture::Capture& frame) {
                                            std::to_string(number) + ": it has 1 to " +
                                            std::to_string(info.frames)};
   if (!s.joined.empty()) return s.read_joined(number, frame);
-  const FrameIndex& index = s.frames[static_cast<std::size_t>(number - 1)];
-  s.describe(number, frame);
-  MIXRIG_TRY(s.color->read(index.color, frame.plate));
-  MIXRIG_TRY(
-      s.check_size(frame.plate, info.target.size_px(), s.color->name(index.color), "target"));
-  if (s.raw)
-    MIXRIG_TRY(s.raw->read(index.depth, frame.depth_m, frame.amplitude));
+  return guarded(fmt::format("frame {} of take '{}'", number, info.path.string()),
+                 [&] { return s.read_frame(number, frame); });
+}
+
+Result<void> TakeReader::State::read_frame(int number, capture::Capture& frame) {
+  const FrameIndex& index = frames[static_cast<std::size_t>(number - 1)];
+  describe(number, frame);
+  MIXRIG_TRY(color->read(index.color, frame.plate));
+  MIXRIG_TRY(check_size(frame.plate, info().target.size_px(), color->name(index.color), "target"));
+  if (raw)
+    MIXRIG_TRY(raw->read(index.depth, frame.depth_m, frame.amplitude));
   else
-    MIXRIG_TRY(s.read_depth(index.depth, frame.depth_m));
-  MIXRIG_TRY(s.check_size(frame.depth_m, info.tof.size_px(),
-                          s.raw ? s.raw->name(index.depth) : s.depth->name(index.depth), "tof"));
-  if (s.fisheye)
-    MIXRIG_TRY(s.fisheye->read(frame));
+    MIXRIG_TRY(read_depth(index.depth, frame.depth_m));
+  MIXRIG_TRY(check_size(frame.depth_m, info().tof.size_px(),
+                        raw ? raw->name(index.depth) : depth->name(index.depth), "tof"));
+  if (fisheye)
+    MIXRIG_TRY(fisheye->read(frame));
   else
     capture::clear_fisheye(frame);
-  if (s.depth2) MIXRIG_TRY(s.read_second_depth(index.depth2, frame.depth2));
-  if (!s.amplitude) return {};
-  MIXRIG_TRY(s.read_steps(*s.amplitude, index.depth, {}, frame.amplitude));
-  return s.check_size(frame.amplitude, info.tof.size_px(), s.amplitude->name(index.depth), "tof");
+  if (depth2) MIXRIG_TRY(read_second_depth(index.depth2, frame.depth2));
+  if (!amplitude) return {};
+  MIXRIG_TRY(read_steps(*amplitude, index.depth, {}, frame.amplitude));
+  return check_size(frame.amplitude, info().tof.size_px(), amplitude->name(index.depth), "tof");
 }
 
 Result<void> TakeReader::read_truth(int number, capture::Truth& truth) {

@@ -88,6 +88,8 @@ struct TakeReader::State {
   Result<void> read_joined(int number, capture::Capture& capture);
   Result<void> read_joined_truth(int number, capture::Truth& truth);
   void describe(int number, capture::Capture& capture) const;
+  /// Reads a frame that the take has.
+  Result<void> read_frame(int number, capture::Capture& frame);
   Result<void> read_steps(PictureStream& stream, int index, const Steps& meaning,
                           Image<float>& out);
   Result<void> read_depth(int index, Image<float>& out);

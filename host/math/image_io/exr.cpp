@@ -10,6 +10,7 @@
 #include <ImfOutputFile.h>
 #include <ImfStandardAttributes.h>
 
+#include "hal/base/guarded.h"
 #include "hal/base/partial_path.h"
 #include "host/math/image_io/codecs.h"
 #include "host/math/image_io/image_io.h"
@@ -130,11 +131,18 @@ Result<std::vector<Channel>> read_exr(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path, error))
     return Error{ErrorCode::kNotFound,
                  "cannot read picture '" + path.string() + "': no such file: check the path"};
-  try {
-    return read(path);
-  } catch (const std::exception& e) {
-    return bad_picture(path.string(), e.what());
-  }
+  std::vector<Channel> channels;
+  MIXRIG_TRY(guarded("picture '" + path.string() + "'", [&]() -> Result<void> {
+    try {
+      MIXRIG_ASSIGN(channels, read(path));
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& e) {
+      return bad_picture(path.string(), e.what());
+    }
+    return {};
+  }));
+  return channels;
 }
 
 Result<void> write_exr(const std::filesystem::path& path, const std::vector<Channel>& channels) {

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "hal/base/guarded.h"
 #include "host/math/image_io/codecs.h"
 #include "host/math/image_io/depth_picture.h"
 #include "host/math/image_io/picture_size.h"
@@ -34,11 +35,19 @@ Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path) {
   return bytes;
 }
 
+/// Memory that a picture cannot get is an error of that picture.
+template <typename Work>
+Result<void> guarded_picture(const std::string& name, Work&& work) {
+  return guarded("picture '" + name + "'", std::forward<Work>(work));
+}
+
 template <typename T>
 Result<void> read_gray(const std::filesystem::path& path, Image<T>& image) {
-  MIXRIG_ASSIGN(const auto bytes, read_file(path));
-  if (!is_png(bytes)) return bad_picture(path.string(), "not a PNG file", "use a grey PNG");
-  return decode_png(bytes, path.string(), image);
+  return guarded_picture(path.string(), [&]() -> Result<void> {
+    MIXRIG_ASSIGN(const auto bytes, read_file(path));
+    if (!is_png(bytes)) return bad_picture(path.string(), "not a PNG file", "use a grey PNG");
+    return decode_png(bytes, path.string(), image);
+  });
 }
 
 /// Replaces control characters: messages of a library may contain bytes of the file, and must stay
@@ -68,9 +77,11 @@ Error neither(Bytes bytes, const std::string& name) {
 Result<void> decode_rgb8(const std::uint8_t* data, std::size_t size, const std::string& name,
                          Image<Rgb8>& image) {
   const Bytes bytes(data, size);
-  if (is_png(bytes)) return decode_png(bytes, name, image);
-  if (is_jpeg(bytes)) return decode_jpeg(bytes, name, image);
-  return neither(bytes, name);
+  return guarded_picture(name, [&]() -> Result<void> {
+    if (is_png(bytes)) return decode_png(bytes, name, image);
+    if (is_jpeg(bytes)) return decode_jpeg(bytes, name, image);
+    return neither(bytes, name);
+  });
 }
 
 Result<Size> picture_size(Bytes bytes, const std::string& name) {
@@ -80,8 +91,10 @@ Result<Size> picture_size(Bytes bytes, const std::string& name) {
 }
 
 Result<void> read_rgb8(const std::filesystem::path& path, Image<Rgb8>& image) {
-  MIXRIG_ASSIGN(const auto bytes, read_file(path));
-  return decode_rgb8(bytes.data(), bytes.size(), path.string(), image);
+  return guarded_picture(path.string(), [&]() -> Result<void> {
+    MIXRIG_ASSIGN(const auto bytes, read_file(path));
+    return decode_rgb8(bytes.data(), bytes.size(), path.string(), image);
+  });
 }
 
 Result<void> read_gray16(const std::filesystem::path& path, Image<std::uint16_t>& image) {
@@ -90,15 +103,17 @@ Result<void> read_gray16(const std::filesystem::path& path, Image<std::uint16_t>
 
 Result<void> read_depth16(const std::filesystem::path& path, Image<std::uint16_t>& image) {
   constexpr std::size_t kBitsAt = 24;  // of the header, which comes first (PNG, 11.2.2)
-  MIXRIG_ASSIGN(const auto bytes, read_file(path));
-  if (!is_png(bytes))
-    return bad_picture(path.string(), "not a PNG file", "use a grey PNG of 16 bits");
-  if (bytes.size() > kBitsAt && bytes[kBitsAt] <= 8)
-    return Error{ErrorCode::kFormat, "depth picture '" + path.string() + "' has " +
-                                         std::to_string(bytes[kBitsAt]) +
-                                         " bits a pixel: depth needs 16 (was it converted for "
-                                         "display?): export it again as grey PNG of 16 bits"};
-  return decode_png(bytes, path.string(), image);
+  return guarded_picture(path.string(), [&]() -> Result<void> {
+    MIXRIG_ASSIGN(const auto bytes, read_file(path));
+    if (!is_png(bytes))
+      return bad_picture(path.string(), "not a PNG file", "use a grey PNG of 16 bits");
+    if (bytes.size() > kBitsAt && bytes[kBitsAt] <= 8)
+      return Error{ErrorCode::kFormat, "depth picture '" + path.string() + "' has " +
+                                           std::to_string(bytes[kBitsAt]) +
+                                           " bits a pixel: depth needs 16 (was it converted for "
+                                           "display?): export it again as grey PNG of 16 bits"};
+    return decode_png(bytes, path.string(), image);
+  });
 }
 
 Result<void> read_gray8(const std::filesystem::path& path, Image<std::uint8_t>& image) {

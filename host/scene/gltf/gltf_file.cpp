@@ -6,6 +6,7 @@
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <new>
 
 #include "host/scene/gltf/gltf_declared.h"
 #include "host/scene/gltf/gltf_texels.h"
@@ -131,6 +132,8 @@ Result<GltfFile> parse_gltf(std::span<const std::uint8_t> bytes, const fs::path&
                                                    reinterpret_cast<const char*>(bytes.data()),
                                                    size, root.string());
     if (!parsed) return damaged_gltf();
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception&) {
     return damaged_gltf();
   }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "hal/base/guarded.h"
 #include "hal/base/log.h"
 #include "host/math/config/table.h"
 #include "host/math/image_io/image_io.h"
@@ -271,17 +272,23 @@ Result<Model> parse_model(std::span<const std::uint8_t> bytes, const fs::path& f
 }
 
 Result<Model> load_gltf(const fs::path& path) {
-  MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxModelBytes));
-  const std::span bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
-  std::vector<std::string> without;
-  auto model =
-      parse_model(bytes, path.has_parent_path() ? path.parent_path() : fs::path("."), &without);
-  if (model && !without.empty())
-    log_warning("scene", fmt::format("model '{}' is drawn without {}: export it without",
-                                     path.string(), fmt::join(without, ", ")));
-  if (model) return model;
-  return Error{ErrorCode::kFormat,
-               "cannot read model '" + path.string() + "': " + model.error().context};
+  Model model;
+  MIXRIG_TRY(guarded("model '" + path.string() + "'", [&]() -> Result<void> {
+    MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxModelBytes));
+    const std::span bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+    std::vector<std::string> without;
+    auto parsed =
+        parse_model(bytes, path.has_parent_path() ? path.parent_path() : fs::path("."), &without);
+    if (!parsed)
+      return Error{ErrorCode::kFormat,
+                   "cannot read model '" + path.string() + "': " + parsed.error().context};
+    if (!without.empty())
+      log_warning("scene", fmt::format("model '{}' is drawn without {}: export it without",
+                                       path.string(), fmt::join(without, ", ")));
+    model = *std::move(parsed);
+    return {};
+  }));
+  return model;
 }
 
 Bounds bounds(const Model& model) {

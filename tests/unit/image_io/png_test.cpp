@@ -7,6 +7,7 @@
 
 #include "host/math/image_io/image_io.h"
 #include "tests/support/hand_png.h"
+#include "tests/support/little_memory.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mixrig::image_io {
@@ -20,6 +21,18 @@ constexpr int kGray = 0, kRgb = 2, kPalette = 3, kGrayAlpha = 4, kRgba = 6;
 Result<void> decode_png(const std::string& bytes, Image<Rgb8>& image) {
   return decode_rgb8(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), "x.png",
                      image);
+}
+
+TEST(PictureMemory, APictureThatHasNoMemoryIsItsError) {
+  if (!kLimitsMemory) GTEST_SKIP() << "memory is not limited under a sanitizer";
+  const test::TemporaryFolder folder;
+  const std::filesystem::path path = folder / "large.png";
+  ASSERT_TRUE(write_png(path, Image<std::uint8_t>({6000, 6000}).view()));
+  Image<Rgb8> image;
+  EXPECT_EXIT(
+      test::say_with_little_memory(std::size_t{64} << 20, [&] { return read_rgb8(path, image); }),
+      testing::ExitedWithCode(0), "large.png': no memory is left: stop other programs");
+  EXPECT_TRUE(read_rgb8(path, image)) << "with memory it is read";
 }
 
 TEST(PngRead, Rgb8IsTakenAsItIs) {

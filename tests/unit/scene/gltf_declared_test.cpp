@@ -7,6 +7,7 @@
 #include "host/scene/scene.h"
 #include "tests/support/hand_gltf.h"
 #include "tests/support/hand_png.h"
+#include "tests/support/little_memory.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
@@ -54,6 +55,14 @@ TEST_F(GltfDeclared, PicturesAreCountedBeforeTheFileIsParsed) {
       test::refused(load(file(picture + "," + picture), "two.gltf"), {"more than 268 million"}));
   EXPECT_TRUE(test::refused(load(R"({"asset":"\\\"","images":[)" + picture, "quote.gltf"),
                             {"is cut short"}));
+}
+
+TEST_F(GltfDeclared, AModelThatHasNoMemoryIsItsError) {
+  if (!kLimitsMemory) GTEST_SKIP() << "memory is not limited under a sanitizer";
+  const std::filesystem::path path = folder_.write("large.glb", declared(""));
+  std::filesystem::resize_file(path, std::size_t{200} << 20);
+  EXPECT_EXIT(test::say_with_little_memory(std::size_t{64} << 20, [&] { return load_gltf(path); }),
+              testing::ExitedWithCode(0), "large.glb': no memory is left: stop other programs");
 }
 
 /// The buffer is cut short, which only the parser would say.

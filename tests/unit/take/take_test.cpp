@@ -9,6 +9,7 @@
 #include "tests/support/each_pixel.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/throw_in.h"
 #include "tests/unit/take/made_take.h"
 
 namespace mixrig::take {
@@ -131,6 +132,19 @@ INSTANTIATE_TEST_SUITE_P(Formats, TakeRoundTrip,
                          [](const auto& row) {
                            return row.param == StreamFormat::kPng ? "Png" : "Matroska";
                          });
+
+TEST(Take, AFrameThatHasNoMemoryIsItsErrorAndTheNextOneIsRead) {
+  const test::TemporaryFolder folder;
+  write_take(folder / "take", StreamFormat::kPng, 2, false);
+  auto reader = TakeReader::open(folder / "take");
+  ASSERT_TRUE(reader);
+  const std::string name = "frame 1 of take '" + (folder / "take").string() + "'";
+  const test::ThrowIn without(name);
+  capture::Capture frame;
+  EXPECT_TRUE(test::refused(reader->read(1, frame), {name, "no memory is left"}));
+  ASSERT_TRUE(reader->read(1, frame));
+  expect_same(frame, made_frame(1));
+}
 
 TEST(Take, TruthComesBackInItsUnits) {
   const test::TemporaryFolder folder;
