@@ -4,7 +4,7 @@
 
 usage: fail_call_test.py --mixrig PROGRAM [--job record|run] [--every K] [--shim LIBRARY]
 strace injects the error, two at once. With the library fail_new, operator new then fails, from the first allocation of
-the command itself on: 120 K allocations apart, since GLib ends a program whose malloc fails. Each time: the program ends
+the command itself on: 130 allocations apart, or 300 K, since GLib ends a program whose malloc fails. Each time: the program ends
 by itself, an error is one line, a take under the final name is whole, and one under the partial name opens or has no
 whole frame.
 """
@@ -147,15 +147,16 @@ def fail_allocations(mixrig, folder, shim, every, begin):
     if subprocess.run([mixrig, "--help"], capture_output=True, env=environment).returncode != 0:
         print("allocations: skipped, the library cannot be loaded first: a build with sanitizers?")
         return 0
+    step = 130 if every == 1 else 300 * every
     number, tried, faults, failed = int(count.read_text()), 0, 0, True
     while failed:
-        numbers = [number + 120 * every * i for i in range(AT_ONCE)]
+        numbers = [number + step * i for i in range(AT_ONCE)]
         for one, (failed, wrong) in zip(numbers, begin(lambda place, n: fail_allocation(mixrig, place, shim, n), numbers)):
             tried += failed
             if wrong:
                 faults += 1
                 print(f"FAILED: allocation {one}: {wrong}")
-        number = numbers[-1] + 120 * every
+        number = numbers[-1] + step
     print(f"operator new: {tried} of the first {number} allocations failed, one after the other", flush=True)
     return faults
 
