@@ -32,6 +32,21 @@ fs::path free_model_path(const fs::path& folder, const std::string& name) {
   }
 }
 
+/// Most bytes of models beside a scene, with what is sent next.
+constexpr std::uintmax_t kMostModels = std::uintmax_t{1} << 30;
+
+/// Refuses a model that would fill the disk, sent again and again.
+Result<void> check_room(const fs::path& models, const fs::path& next) {
+  std::error_code ignored;
+  std::uintmax_t bytes = fs::file_size(next, ignored);
+  for (const fs::directory_entry& entry : fs::directory_iterator(models, ignored))
+    if (const std::uintmax_t size = entry.file_size(ignored); !ignored) bytes += size;
+  if (bytes <= kMostModels) return {};
+  return Error{ErrorCode::kData, "'" + models.string() +
+                                     "' would have more than 1 GiB of models: remove those that "
+                                     "no scene uses"};
+}
+
 /// "crate 2", or the next number that no object has; the number of "crate 2" itself is replaced.
 std::string free_object_name(const scene::Scene& scene, std::string name) {
   const auto digits = name.find_last_not_of("0123456789");
@@ -51,6 +66,7 @@ Error model_fault(const std::string& name, const Error& error) {
   const std::string why =
       quote == std::string::npos ? error.context : error.context.substr(quote + 3);
   const bool says_what_to_do = why.find(": ") != std::string::npos;
+  if (error.code == ErrorCode::kIo) return {error.code, "the model \"" + name + "\": " + why};
   return {error.code, "the model \"" + name + "\" " +
                           (says_what_to_do ? why
                                            : "is damaged (" + why +
@@ -81,6 +97,7 @@ Result<void> SceneDesk::apply(const page::AddObject& add, const SeenFrom* from) 
   if (!model) return model_fault(add.name, model.error());
   object.model = *std::move(model);
   const fs::path folder = session_.scene.path.parent_path();
+  MIXRIG_TRY(check_room(folder / "models", add.glb));
   object.model_path = free_model_path(folder, add.name);
   fit(object, *used, place_before(*used));
   MIXRIG_ASSIGN(const Written now, written());

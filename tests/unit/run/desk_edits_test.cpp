@@ -173,6 +173,17 @@ TEST_F(Desk, APresetIsStoredComparedAndRecalled) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "presets/night.toml"));
 }
 
+TEST_F(Desk, ModelsBesideASceneHaveAQuota) {
+  const std::filesystem::path old = folder_.write("models/old.glb", "");
+  std::filesystem::resize_file(old, std::uintmax_t{1} << 30);  // no blocks of the disk
+  const std::string before = text();
+  const page::AddObject add{"tree", folder_.path() / "crate.glb"};
+  EXPECT_TRUE(test::refused(desk_->apply(add, &from_), {"models", "more than 1 GiB", "remove"}));
+  EXPECT_EQ(text(), before);
+  std::filesystem::remove(old);
+  EXPECT_TRUE(desk_->apply(add, &from_));
+}
+
 TEST_F(Desk, AModelThatIsNoneIsSaidInTheUsersWords) {
   std::ofstream(folder_.path() / "bad.glb") << "no model";
   const auto refused = desk_->apply(page::AddObject{"tree", folder_.path() / "bad.glb"}, &from_);
