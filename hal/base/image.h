@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
+#include <new>
 #include <type_traits>
 
 namespace mixrig {
@@ -115,7 +116,9 @@ class Image {
     size_ = size;
     const std::size_t bytes = (count() * sizeof(T) + kAlign) / kAlign * kAlign;
     data_.reset(static_cast<T*>(std::aligned_alloc(kAlign, bytes)));
-    if (!data_) std::abort();
+    if (data_) return;
+    size_ = {}, stride_ = 0;
+    throw std::bad_alloc();
   }
   void swap(Image& other) noexcept {
     std::swap(data_, other.data_);
