@@ -218,10 +218,9 @@ void add_bench_command(Command app, Context& context) {
                    "warp, refine, key: other libraries at every setting of a grid");
   command.add_flag("--quick", arguments->run.quick,
                    "half the size, fewer frames, warp ... all: no gles");
-  command.add_option(
-      "--take", arguments->take,
-      "scan: the sweep, latency: the take, with their truth; soak: the take; warp ... "
-      "all: a take of mixrig studio in place of the walk that is rendered");
+  add_take_option(command, arguments->take,
+                  "scan: the sweep, latency: the take, with their truth; soak: the take; warp ... "
+                  "all: one of mixrig studio in place of the walk that is rendered");
   command.add_option("--minutes", arguments->minutes, "soak: of frames, by their own times")
       .range(0.05, 1440.0)
       .show_default();

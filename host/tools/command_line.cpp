@@ -154,6 +154,12 @@ Option Option::value_if_left_out(const std::string& value) {
   return Option(option_->expected(0, 1)->default_str(value));
 }
 
+Option Option::without_prefix(const std::string& prefix) {
+  return Option(option_->transform([prefix](std::string text) {
+    return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
+  }));
+}
+
 Option Command::add_option(const std::string& name, std::string& value, const std::string& about) {
   return Option(
       app_->add_option(name, value, about)->check(CLI::Validator(refuse_what_is_empty, "")));

@@ -57,6 +57,8 @@ class Option {
   Option group(const std::string& heading);
   /// The value may be left out; it is `value` then.
   Option value_if_left_out(const std::string& value);
+  /// A value that begins with `prefix` is given without it.
+  Option without_prefix(const std::string& prefix);
 
  private:
   CLI::Option* option_;

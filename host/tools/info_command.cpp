@@ -240,7 +240,9 @@ Result<nlohmann::json> info(const InfoArguments& arguments) {
       return Error{ErrorCode::kUsage, "'" + arguments.of +
                                           "' is a scanned room: --depth is for a take: give the "
                                           "take that it was scanned from"};
-    return info_room({arguments.of, arguments.truth, arguments.picture});
+    MIXRIG_ASSIGN(nlohmann::json report,
+                  info_room({arguments.of, arguments.truth, arguments.picture}));
+    return with_end(std::move(report), arguments.picture, {});
   }
   if (!arguments.truth.empty() || !arguments.picture.empty())
     return Error{ErrorCode::kUsage,

@@ -78,6 +78,11 @@ void add_backend_options(Command command, SessionArguments& arguments) {
       .range(0, 256);
 }
 
+Option add_take_option(Command command, std::string& take, const std::string& about) {
+  return command.add_option("--take", take, about + ": folder or take.toml")
+      .without_prefix("take:");
+}
+
 void add_calibration_option(Command command, SessionArguments& arguments) {
   command.add_option("--calibration", arguments.calibration,
                      "calibration.toml of the cameras; that of scene, take or rig if not given");

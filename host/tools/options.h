@@ -25,6 +25,8 @@ struct SessionArguments {
   int threads = 0;
 };
 void add_session_options(Command command, SessionArguments& arguments);
+/// Adds --take: a folder, its take.toml, or take:DIR as --source has it.
+Option add_take_option(Command command, std::string& take, const std::string& about);
 void add_calibration_option(Command command, SessionArguments& arguments);
 void add_backend_options(Command command, SessionArguments& arguments);
 /// Size of --size; nullopt if it was not given. Errors: kUsage.

@@ -107,7 +107,7 @@ TEST_F(Genicam, TheRigIsCalibratedByARecordedBoard) {
   if (HasFatalFailure()) return;
   check("/tmp/hand");
   const Ran views =
-      run("mixrig calibrate views /tmp/views --source take:/tmp/hand "
+      run("mixrig calibrate views /tmp/views --take /tmp/hand "
           "--board checkerboard:9x6:70mm");
   ASSERT_EQ(views.status, 0) << views.text;
   const Ran rig =

@@ -21,7 +21,7 @@ TEST_F(CalibrateViews, OfABoardHeldByHandAreKeptOnce) {
              "--plain --scenario board --hand --rig kinect2 --seed 21 --views 8 --size 320x256"
              " --fisheye-size 640x512 --rest 0.4 --tremor 0.05 --tolerance 1"),
       0);
-  ASSERT_EQ(mixrig("calibrate views " + path("views") + " --source take:" + path("take") + kBoard +
+  ASSERT_EQ(mixrig("calibrate views " + path("views") + " --take " + path("take") + kBoard +
                    " --json " + path("v.json")),
             0);
   const json views = report("v.json");
@@ -40,13 +40,13 @@ TEST_F(CalibrateViews, OfABoardHeldByHandCalibrateTheRigAndAnotherBoardIsRefused
             0);
   leave_out_fisheye(path("take/take.toml"));  // too small to show the board
   std::string said;
-  EXPECT_EQ(refused("calibrate views " + path("none") + " --source take:" + path("take") +
+  EXPECT_EQ(refused("calibrate views " + path("none") + " --take " + path("take") +
                         " --board checkerboard:11x8:70mm",
                     said),
             1);
   EXPECT_NE(said.find("shows the board checkerboard:11x8:70mm"), std::string::npos) << said;
   EXPECT_FALSE(std::filesystem::exists(path("none")));
-  ASSERT_EQ(mixrig("calibrate views " + path("views") + " --source take:" + path("take") + kBoard +
+  ASSERT_EQ(mixrig("calibrate views " + path("views") + " --take " + path("take") + kBoard +
                    " --json " + path("v.json")),
             0);
   ASSERT_EQ(mixrig("calibrate rig " + path("views") + " --json " + path("r.json")), 0);
@@ -94,12 +94,9 @@ TEST_F(CalibrateViews, ArgumentsThatDoNotFitAreRefusedInOneLine) {
   EXPECT_EQ(refused("calibrate views " + path("v") + kBoard, said), 2);
   EXPECT_NE(said.find("give one of --rig"), std::string::npos) << said;
   EXPECT_EQ(
-      refused("calibrate views " + path("v") + " --source take:x --board checkerboard:9x7:70mm",
-              said),
-      2);
+      refused("calibrate views " + path("v") + " --take x --board checkerboard:9x7:70mm", said), 2);
   EXPECT_NE(said.find("one odd and one even"), std::string::npos) << said;
-  EXPECT_EQ(refused("calibrate views " + path("v") + " --source take:x --turn auto" + kBoard, said),
-            2);
+  EXPECT_EQ(refused("calibrate views " + path("v") + " --take x --turn auto" + kBoard, said), 2);
   EXPECT_NE(said.find("give --rig"), std::string::npos) << said;
 }
 

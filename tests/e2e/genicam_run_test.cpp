@@ -60,7 +60,7 @@ class GenicamRun : public CommandTest {
     return {error.at("key_iou").get<double>(), error.at("depth_mae_mm").get<double>()};
   }
   json calibrated(const std::string& take, const std::string& name) const {
-    EXPECT_EQ(mixrig("calibrate views " + path(name) + " --source take:" + path(take) +
+    EXPECT_EQ(mixrig("calibrate views " + path(name) + " --take " + path(take) +
                      " --board checkerboard:9x6:70mm"),
               0);
     EXPECT_EQ(mixrig("calibrate rig " + path(name) + " --out " + path(name + ".toml") + " --json " +

@@ -20,7 +20,7 @@ class LiveChange : public CommandTest {
   /// Makes a take of an empty room, and one in which the chair was moved before it began.
   void make_takes() const {
     ASSERT_EQ(studio("was", std::string(kTake) + "--frames 3"), 0);
-    ASSERT_EQ(mixrig("scan --static " + path("was") + " --frames 1-3 " + path("room")), 0);
+    ASSERT_EQ(mixrig("scan --take " + path("was") + " --frames 1-3 " + path("room")), 0);
     ASSERT_EQ(studio("take", std::string(kTake) + "--moved-chair --frames 120"), 0);
     // At 6 frames a second, one of five is examined: the change is reported after 4 s and learned
     // from the nine examinations after the order by second 15. The exchange then has 9 s left on a

@@ -130,7 +130,7 @@ class MocapRun : public CommandTest {
              " --plain --scenario handheld --rig sr3000 --seed 31 --frames 40 --size 64x48" + quiet)
                 .c_str()),
         0);
-    ASSERT_EQ(std::system((command + "scan --static " + take.string() + " --frames 1-6 " +
+    ASSERT_EQ(std::system((command + "scan --take " + take.string() + " --frames 1-6 " +
                            (take / "room").string() + quiet)
                               .c_str()),
               0);

@@ -26,7 +26,7 @@ class RealRun : public CommandTest {
 };
 
 TEST_F(RealRun, EmptyFramesOfTheLabKeyNothingAndPeopleAreKeyed) {
-  ASSERT_EQ(mixrig("scan --static " + lab_ + "/take.toml --frames 1-26 " + path("background")), 0);
+  ASSERT_EQ(mixrig("scan --take " + lab_ + "/take.toml --frames 1-26 " + path("background")), 0);
   ASSERT_EQ(mixrig("run " + lab_ + "/scene.toml --source take:" + lab_ + "/take.toml --out " +
                    path("out") + " --backend cpu --format none --json " + path("report.json")),
             0);
@@ -44,7 +44,7 @@ TEST_F(RealRun, PeopleInTheFramesToLearnFromAreLeftOutOfTheRoom) {
   std::vector<std::vector<double>> foreground_pct;
   for (const char* frames : {"7-26", "1-90", "27-90"}) {
     const std::string name = path(std::string("room-") + frames), out = name + "-out";
-    ASSERT_EQ(mixrig("scan --static " + lab_ + "/take.toml --frames " + frames + " " + name), 0);
+    ASSERT_EQ(mixrig("scan --take " + lab_ + "/take.toml --frames " + frames + " " + name), 0);
     std::ofstream(name + ".toml") << "[camera]\npose = \"floor\"\n[background]\nmodel = \"" << name
                                   << "\"\n[key]\nthreshold_m = 0.08\nnoise_factor = 4.0\n";
     ASSERT_EQ(mixrig("run " + name + ".toml --source take:" + lab_ + "/take.toml --frames 91-108 " +

@@ -187,7 +187,7 @@ TEST_F(RigRun, AHeadThatTurnsIsFollowedFromDevicesAsFromTheTake) {
       studio("take", "--plain --scenario pan --rig sr3000 --seed 31 --size 64x48 --frames 40"), 0);
   // 3 frames a second: a loaded machine can follow, and the head turns little between two answers.
   slow_down(path("take"), 8);
-  ASSERT_EQ(mixrig("scan --static " + path("take") + " --frames 1-6 " + path("take/room")), 0);
+  ASSERT_EQ(mixrig("scan --take " + path("take") + " --frames 1-6 " + path("take/room")), 0);
   replace("take/scene_pan_tilt.toml", "learn = .*", "model = \"room\"");
   write_rig("take:" + path("take") + "/color", "take:" + path("take") + "/depth");
   std::ofstream(folder_ / "rig.toml", std::ios::app)

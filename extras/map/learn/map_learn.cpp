@@ -11,6 +11,7 @@
 #include "extras/map/reconstruction/growth/map_scale.h"
 #include "extras/map/reconstruction/growth/reconstruct.h"
 #include "extras/map/reconstruction/maps/map_file.h"
+#include "hal/base/output_folder.h"
 #include "hal/base/parallel.h"
 #include "host/capture/calibration_file/calibration.h"
 #include "host/capture/take/take_source.h"
@@ -117,6 +118,7 @@ std::vector<PosePair> pairs_of(const reconstruction::LearnedMap& map,
 
 Result<nlohmann::json> learn_map(const MapLearnOptions& options) {
   const auto start = std::chrono::steady_clock::now();
+  MIXRIG_TRY(check_output_folder(options.out, reconstruction::kMapManifest, Force::kChecked));
   MIXRIG_ASSIGN(const auto source, take::open_take_source(options.take));
   MIXRIG_ASSIGN(const RigCamera camera,
                 tracked_camera(options.camera, options.calibration, source->info()));

@@ -18,7 +18,6 @@
 namespace mixrig::session {
 namespace {
 
-constexpr const char* kPlanReport = "report.json";
 constexpr float kPathHeight_m = 0.01F;  ///< over the floor, so that it does not hide the lines
 
 std::optional<Eigen::Vector3d> brightest_lamp_m(const geometry::Light& light) {

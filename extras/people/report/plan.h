@@ -15,6 +15,9 @@
 
 namespace mixrig::session {
 
+/// The file by which the folder of an earlier plan is known.
+inline constexpr const char* kPlanReport = "report.json";
+
 struct PlanOptions {
   std::filesystem::path out;
   std::optional<FrameRange> frames;

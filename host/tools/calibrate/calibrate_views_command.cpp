@@ -7,6 +7,7 @@
 #include "hal/base/output_folder.h"
 #include "host/capture/live/session/live_source.h"
 #include "host/capture/open/open_source.h"
+#include "host/capture/take/take_source.h"
 #include "host/tools/calibrate/collect_views.h"
 #include "host/tools/command.h"
 #include "host/tools/extras.h"
@@ -17,7 +18,7 @@ namespace mixrig::tools {
 namespace {
 
 struct ViewsArguments {
-  std::string out, rig, source, board, turn;
+  std::string out, rig, take, board, turn;
   int views = 15, frames = 8, turn_views = 20;
   double rest_px = 0.25;
   bool force = false;
@@ -51,23 +52,22 @@ Result<CollectArguments> collect_arguments(const ViewsArguments& given) {
 }
 
 Result<nlohmann::json> take_views(const ViewsArguments& given) {
-  const std::string prefix = "rig:";
-  const bool from_rig = given.source.rfind(prefix, 0) == 0;
-  const std::string rig = from_rig ? given.source.substr(prefix.size()) : given.rig;
-  if (given.rig.empty() == given.source.empty())
+  if (given.rig.empty() == given.take.empty())
     return Error{ErrorCode::kUsage,
-                 "calibrate views: give one of --rig RIG.TOML (cameras now) and --source take:DIR "
-                 "(a recording)"};
+                 "calibrate views: give one of --rig RIG.TOML (cameras now) and --take DIR (a "
+                 "recording)"};
   MIXRIG_ASSIGN(const CollectArguments arguments, collect_arguments(given));
   MIXRIG_TRY(check_output_folder(given.out, "views.toml", given.force ? Force::kYes : Force::kNo));
   SystemClock clock;
   const StopOnSignal signals;
   if (!given.turn.empty()) {
-    if (rig.empty()) return Error{ErrorCode::kUsage, "--turn moves the unit of a rig: give --rig"};
-    return turn_views(rig, arguments, StopOnSignal::flag(), clock);
+    if (given.rig.empty())
+      return Error{ErrorCode::kUsage, "--turn moves the unit of a rig: give --rig"};
+    return turn_views(given.rig, arguments, StopOnSignal::flag(), clock);
   }
-  MIXRIG_ASSIGN(const auto source, rig.empty() ? session::open_source(given.source, source_kinds())
-                                               : open_cameras(rig, StopOnSignal::flag(), clock));
+  MIXRIG_ASSIGN(const auto source, given.rig.empty()
+                                       ? take::open_take_source(given.take)
+                                       : open_cameras(given.rig, StopOnSignal::flag(), clock));
   return collect_views(*source, arguments, StopOnSignal::flag());
 }
 
@@ -81,7 +81,7 @@ void add_calibrate_views_command(Command app, Context& context) {
   command.add_option("OUT", arguments->out, "folder of views to write").required();
   command.add_option("--rig", arguments->rig,
                      "rig.toml: its cameras, now; Ctrl-C ends with what there is");
-  command.add_option("--source", arguments->source, "take:DIR: a recording of the board");
+  add_take_option(command, arguments->take, "a recording of the board");
   command
       .add_option("--board", arguments->board,
                   "checkerboard:9x6:25mm (inner corners) or charuco:14x9:40mm:30mm:5X5_250 "

@@ -7,6 +7,7 @@
 
 #include "extras/map/learn/map_learn.h"
 #include "host/tools/command.h"
+#include "host/tools/options.h"
 
 namespace mixrig::tools {
 namespace {
@@ -60,7 +61,7 @@ void add_learn_command(Command app, Context& context) {
   auto arguments = std::make_shared<LearnArguments>();
   Command command = app.add_subcommand(
       "learn", "a map of the room from the pictures of a take whose camera moves");
-  command.add_option("--take", arguments->take, "folder or take.toml").required();
+  add_take_option(command, arguments->take, "whose camera moves").required();
   command.add_option("--camera", arguments->camera, "whose pictures")
       .one_of({"fisheye", "target"})
       .show_default();

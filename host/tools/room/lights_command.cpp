@@ -98,7 +98,7 @@ void add_lights_command(Command app, Context& context) {
   auto arguments = std::make_shared<LightsArguments>();
   Command command = app.add_subcommand(
       "lights", "lamps of a room, from a take's fisheye, a scanned room, or both");
-  command.add_option("--take", arguments->take, "whose fisheye saw the lamps: folder or take.toml");
+  add_take_option(command, arguments->take, "whose fisheye saw the lamps");
   command.add_option("--model", arguments->model,
                      "room written by scan: tells mirror images and white things from lamps, and "
                      "how bright lamps are; without --take its own lamps");

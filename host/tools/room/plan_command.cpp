@@ -7,6 +7,7 @@
 
 #include "extras/people/report/plan.h"
 #include "hal/base/angles.h"
+#include "hal/base/output_folder.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
 #include "host/tools/stop_on_signal.h"
@@ -62,6 +63,7 @@ void print(const session::Plan& plan) {
 
 Result<nlohmann::json> make(const PlanArguments& arguments) {
   MIXRIG_ASSIGN(session::SessionOptions session_arguments, session_options(arguments.session));
+  MIXRIG_TRY(check_output_folder(arguments.out, session::kPlanReport, Force::kChecked));
   session::PlanOptions options;
   options.out = arguments.out;
   if (!arguments.frames.empty()) {

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/base/order_statistics.h"
+#include "hal/base/output_folder.h"
 #include "host/capture/capture/calibrated_source.h"
 #include "host/capture/capture/unwrapped_source.h"
 #include "host/capture/take/take_source.h"
@@ -32,8 +33,7 @@ namespace {
 
 struct ScanArguments {
   SessionArguments session;
-  std::string take, frames, out;
-  std::string sweep, rig, field;
+  std::string take, frames, out, rig, field;
   double overlap = 0.1;
   double modulation_mhz = 0;
   int view_frames = 4, most_views = 0, height_px = 720;
@@ -114,7 +114,7 @@ Result<nlohmann::json> model_room(const ScanArguments& arguments, const std::fil
 }
 
 Result<nlohmann::json> scan_sweep(const ScanArguments& arguments) {
-  return model_room(arguments, arguments.sweep, arguments.session.calibration);
+  return model_room(arguments, arguments.take, arguments.session.calibration);
 }
 
 /// Prints the plan of a sweep before the head turns for minutes.
@@ -173,10 +173,8 @@ Result<nlohmann::json> scan_rig(const ScanArguments& arguments) {
 }
 
 Result<nlohmann::json> scan_still(const ScanArguments& arguments) {
-  if (arguments.frames.empty())
-    return Error{ErrorCode::kUsage, "--static needs --frames FIRST-LAST: the empty room"};
   if (arguments.evaluate)
-    return Error{ErrorCode::kUsage, "--evaluate judges a sweep: give it with --take"};
+    return Error{ErrorCode::kUsage, "--evaluate judges a sweep: leave --frames out"};
   MIXRIG_ASSIGN(const auto size, view_size(arguments.session));
   MIXRIG_ASSIGN(const FrameRange range, parse_range(arguments.frames, "--frames"));
   MIXRIG_ASSIGN(auto recorded, take::open_take_source(arguments.take));
@@ -203,17 +201,22 @@ Result<nlohmann::json> scan(const ScanArguments& arguments) {
                  "many columns"};
   const auto given = [](const std::string& option) { return option.empty() ? 0 : 1; };
   const bool merges = !arguments.merge.rooms.empty();
-  if (given(arguments.rig) + given(arguments.sweep) + given(arguments.take) + (merges ? 1 : 0) != 1)
+  if (given(arguments.rig) + given(arguments.take) + (merges ? 1 : 0) != 1)
     return Error{ErrorCode::kUsage,
-                 "scan: give one of --rig (sweep now), --take (a recorded sweep), --static and "
-                 "--merge (scanned rooms)"};
+                 "scan: give one of --rig (sweep now), --take (a recorded sweep; with --frames "
+                 "FIRST-LAST the empty room of one view) and --merge (scanned rooms)"};
+  if (!arguments.frames.empty() && arguments.take.empty())
+    return Error{ErrorCode::kUsage, "--frames names frames of --take: give the take"};
   if (merges) return scan_merge(arguments.merge, arguments.out, arguments.session.threads);
   if (!arguments.merge.near.empty())
     return Error{ErrorCode::kUsage, "--near is for --merge alone: leave it out"};
   if (arguments.out.empty())
     return Error{ErrorCode::kUsage, "scan: give OUT, the background folder to write"};
   if (!arguments.rig.empty()) return scan_rig(arguments);
-  return arguments.sweep.empty() ? scan_still(arguments) : scan_sweep(arguments);
+  const bool is_still = !arguments.frames.empty();
+  MIXRIG_TRY(check_output_folder(arguments.out, is_still ? "background.toml" : "manifest.toml",
+                                 Force::kChecked));
+  return is_still ? scan_still(arguments) : scan_sweep(arguments);
 }
 
 void add_scan_sweep_options(Command command, ScanArguments& arguments) {
@@ -263,13 +266,12 @@ void add_scan_command(Command app, Context& context) {
                      "rig.toml: sweep its head now; views are kept in OUT.sweep until the room is "
                      "written, and the same command goes on after an interruption");
   add_scan_sweep_options(command, *arguments);
-  command.add_option("--take", arguments->sweep,
-                     "Recorded sweep, or frames with poses: folder or take.toml");
+  add_take_option(command, arguments->take, "Recorded sweep, frames with poses, or empty frames");
   command.add_flag("--evaluate", arguments->evaluate, "Hold a sweep's room against its truth");
   command.add_flag("--no-align", arguments->no_align,
                    "A sweep: take the angles of the unit as they are");
-  command.add_option("--static", arguments->take, "TAKE: folder or take.toml");
-  command.add_option("--frames", arguments->frames, "--static: FIRST-LAST that show no person");
+  command.add_option("--frames", arguments->frames,
+                     "--take: FIRST-LAST that show no person, for the empty room of one view");
   command.add_option("--merge", arguments->merge.rooms,
                      "A B [C D] OUT: rooms of one place, scanned from several positions, become "
                      "one. OUT is required: the last word is not a room");

@@ -26,7 +26,7 @@ namespace mixrig::tools {
 namespace {
 
 struct TrackArguments {
-  std::string mocap, constellation, calibration, out, up = "y", version = "3.0";
+  std::string mocap, constellation, calibration, up = "y", version = "3.0";
   std::string model, map, take, scene, camera = "fisheye", tum;
   std::string drawings;
   double start_m = 1.2, start_deg = 70;
@@ -202,7 +202,6 @@ Result<nlohmann::json> track(const TrackArguments& arguments) {
     return Error{ErrorCode::kUsage,
                  "track: give one of --mocap, --model with --take, --map with --take"};
   MIXRIG_TRY(check_output_file(arguments.tum, kTrajectoryBegin, "OUT"));
-  MIXRIG_TRY(check_output_file(arguments.out, kTrajectoryBegin, "--out"));
   if (!arguments.map.empty()) {
     if (arguments.take.empty())
       return Error{ErrorCode::kUsage,
@@ -226,13 +225,13 @@ Result<nlohmann::json> track(const TrackArguments& arguments) {
     return Error{ErrorCode::kData,
                  arguments.mocap + ": no frame has a pose" +
                      (track->refused.empty() ? "" : ": " + track->refused.begin()->first)};
-  if (!arguments.out.empty()) MIXRIG_TRY(write_file(arguments.out, mocap::to_tum(*track)));
+  if (!arguments.tum.empty()) MIXRIG_TRY(write_file(arguments.tum, mocap::to_tum(*track)));
   return with_end({{"frames", track->frames},
                    {"poses", track->poses.size()},
                    {"residual_rms_m", track->residual_rms_m},
                    {"refused", track->refused},
                    {"live", all.live ? to_json(*all.live) : nlohmann::json()}},
-                  arguments.out, {});
+                  arguments.tum, {});
 }
 
 }  // namespace
@@ -248,7 +247,7 @@ void add_track_command(Command app, Context& context) {
   command.add_option("--map", arguments->map,
                      "map written by learn, in which the camera of --take is tracked that learned "
                      "it; poses are in its axes, in the room's after align --room");
-  command.add_option("--take", arguments->take, "--model, --map: folder or take.toml");
+  add_take_option(command, arguments->take, "--model, --map");
   command.add_option("--camera", arguments->camera, "--model: by whose pictures")
       .one_of({"fisheye", "target"})
       .show_default();
@@ -295,10 +294,9 @@ void add_track_command(Command app, Context& context) {
                   "seconds of a live stream; if not given, until Ctrl-C or 5 s without data")
       .positive();
   command.add_option("--frames", arguments->frames, "number of frames of a live stream");
-  command.add_option("--out", arguments->out, "--mocap: trajectory in TUM format, z up");
   command.add_option("OUT", arguments->tum,
-                     "--model, --map of a room: poses of the target camera at its pictures, TUM "
-                     "format; --map: of the camera that learned it");
+                     "trajectory in TUM format, z up; --model, --map of a room: of the target "
+                     "camera at its pictures; --map: of the camera that learned it, in its axes");
   command.callback(
       [&context, arguments] { context.action = [arguments] { return track(*arguments); }; });
 }

@@ -56,7 +56,8 @@ void notes_in_out(const TinyTake& t) {
                       fs::last_write_time(t.path("out/notes.txt")) - std::chrono::seconds(1));
 }
 
-/// Wrong words, and names of what must be kept.
+/// Wrong words, and names of what must be kept. Of a take that is not there and an OUT that may not
+/// be replaced, OUT is named: it is looked at before the work.
 std::vector<Row> rows_of_words() {
   const std::string run = kRun;
   return {
@@ -79,16 +80,18 @@ std::vector<Row> rows_of_words() {
       {"OneArgumentTooMany", run + " take", 2, {"'take' is one argument too many"}},
       {"JsonOverAScene", run + " --json scene.toml", 2, {"scene.toml", "something else"}},
       {"OutWithNotes", run, 2, {"out", "'notes.txt'", "report.json"}, notes_in_out},
-      {"ScanOverNotes",
-       "scan --static take --frames 1-3 theirs",
+      {"StillOverNotes",
+       "scan --take no --frames 1-3 theirs",
        2,
        {"theirs", "background.toml"},
        theirs("theirs")},
+      {"SweepOverNotes", "scan --take no theirs", 2, {"theirs", "manifest.toml"}, theirs("theirs")},
+      {"FramesWithoutTake", "scan --rig r.toml --frames 1-3 bg", 2, {"--frames", "--take"}},
       {"ForceOverOthers", "record theirs --force", 2, {"'theirs'", "new folder"}, theirs("theirs")},
       {"TrajectoryOverATake",
-       "track --mocap m.csv --up z --out take/take.toml",
+       "track --mocap m.csv --up z take/take.toml",
        2,
-       {"--out", "take.toml", "something else"},
+       {"OUT", "take.toml", "something else"},
        one_marker},
       {"PlotOverATrajectory", "align m.csv m.csv --plot m.csv", 2, {"--plot", "m.csv"}, one_marker},
       {"SourceOfNothing", "run scene.toml --source no", 2, {"\"no\"", "take:DIR"}},
@@ -133,6 +136,7 @@ std::vector<Row> rows_of_extras() {
   all.push_back({"PlanBox", plan + "take out --box 1,2", 2, {"--box", "0.5,0.5,1"}});
   all.push_back({"PlanBoxOfNothing", plan + "take out --box 0,1,1", 2, {"--box"}});
   all.push_back({"PlanMissingTake", plan + "no out", 2, {"no"}});
+  all.push_back({"PlanOverNotes", plan + "no theirs", 2, {"'theirs'"}, theirs("theirs")});
 #else
   all.push_back({"PeopleLeftOut",
                  kRun,
@@ -168,7 +172,9 @@ std::vector<Row> rows_of_extras() {
   all.push_back({"PictureOverAView", lens + "--picture " + view, 2, {"--picture", view, "kept"}});
   all.push_back({"OpencvOverAScene", lens + "--opencv scene.toml", 2, {"--opencv", "scene.toml"}});
 #endif
-#ifndef MIXRIG_EXTRA_MAP
+#ifdef MIXRIG_EXTRA_MAP
+  all.push_back({"LearnOverNotes", "learn --take no theirs", 2, {"'theirs'"}, theirs("theirs")});
+#else
   all.push_back({"MapLeftOut", "track --map map --take take", 1, {"\"map\"", "MIXRIG_EXTRAS"}});
 #endif
   return all;
@@ -199,7 +205,7 @@ void floor_without_background(const TinyTake& t) {
 }
 std::vector<Row> rows() {
   const std::string run = kRun, no_out = "run scene.toml --source ";
-  const std::string calibrated = "scan --static take --frames 1-3 out --backend cpu --calibration ";
+  const std::string calibrated = "scan --take take --frames 1-3 out --backend cpu --calibration ";
   std::vector<Row> all{
       {"MissingScene", "run no.toml --source take:take --out out", 2, {"no.toml"}},
       {"MissingTake", no_out + "take:no --out out", 2, {"no"}},
@@ -268,7 +274,7 @@ std::vector<Row> rows() {
       {"JsonIntoNoFolder", run + " --json no/report.json", 2, {"no"}},
       {"JsonOverAFolder", "info take --json theirs", 2, {"theirs", "folder"}, theirs("theirs")},
       {"TrajectoryOverAFolder",
-       "track --mocap m.csv --up z --out theirs",
+       "track --mocap m.csv --up z theirs",
        2,
        {"theirs", "folder"},
        one_marker},
@@ -278,9 +284,9 @@ std::vector<Row> rows() {
       {"StreamWithoutAPort", run + " --stream srt://host", 2, {"srt://host", "HOST:PORT"}},
       {"RecordOverATake", "record take", 2, {"'take'", "--force"}},
       {"NotANumber", run + " --change-after nan", 2, {"nan"}},
-      {"ScanOfFramesThatAreNotThere", "scan --static take --frames 1-9 bg", 2, {"1-9", "1-4"}},
-      {"ScanOfTooFewFrames", "scan --static take --frames 1-2 bg", 1, {"3"}},
-      {"ScanOfNothing", "scan bg", 2, {"--take", "--static"}},
+      {"ScanOfFramesThatAreNotThere", "scan --take take --frames 1-9 bg", 2, {"1-9", "1-4"}},
+      {"ScanOfTooFewFrames", "scan --take take --frames 1-2 bg", 1, {"3"}},
+      {"ScanOfNothing", "scan bg", 2, {"--take", "--frames"}},
       {"ScanOfASweepWithoutCalibration", "scan --take take bg", 2, {"--calibration"}},
       {"MergeWithoutOut", "scan --merge a b", 2, {"2 to 4", "OUT"}, two_rooms},
       {"MergeOfThreeRoomsWithoutOut", "scan --merge a b c", 2, {"OUT 'c'"}, two_rooms},
@@ -291,7 +297,7 @@ std::vector<Row> rows() {
       {"MergeOfNothing", "scan --merge no a out", 2, {"'no'", "not a scanned"}, two_rooms},
       {"MergeOfFive", "scan --merge a b d e f out", 2, {"2 to 4"}, two_rooms},
       {"MergeNearWhat", "scan --merge a b out --near 1", 2, {"x y z yaw"}, two_rooms},
-      {"NearWithoutMerge", "scan --static take out --near 1", 2, {"--merge"}},
+      {"NearWithoutMerge", "scan --take take out --near 1", 2, {"--merge"}},
       {"InfoOfNothing", "info no", 2, {"no"}},
       {"InfoOfATruncatedTake", "info take", 1, {"000001.png"}, cut("take/depth/000001.png", 60)},
       {"ExplainWithoutASource", "explain scene.toml", 2, {"--source"}},

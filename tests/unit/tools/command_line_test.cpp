@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command line: help, version, unknown words, and a run that succeeds.
+#include <cstdio>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include "tests/unit/tools/tiny_take.h"
 
 namespace mixrig::test {
 namespace {
+
+constexpr const char* kPoseOfTake =
+    "\n[pose]\nworld_from_target = { rotation = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], "
+    "[0.0, -1.0, 0.0]], translation_m = [1.0, 0.0, 1.5] }\n";
 
 TEST(CommandLine, EveryCommandHasHelp) {
   const TinyTake take;
@@ -58,14 +65,56 @@ TEST(CommandLine, RunWritesItsFolderAndReportAndIsSilentOnStderr) {
 }
 
 TEST(CommandLine, TheLastLineSaysWhatWasWrittenAndWhatIsNext) {
+  struct LastLine {
+    const char *words, *wrote, *next = "";
+  };
+  std::vector<LastLine> rows{
+      {"run scene.toml --source take --out out --backend cpu", "out", "look at out/contact_sheet"},
+      {"scan --take take --frames 1-3 bg", "bg", "background.model = \"bg\""},
+      {"scan --take take:take room", "room", "mixrig info room"},
+      {"info room --picture plan.png", "plan.png"},
+      {"track --mocap m.csv --up z path.tum", "path.tum"},
+  };
+#ifdef MIXRIG_EXTRA_STUDIO
+  rows.push_back({"studio s --frames 3 --size 64x48", "s", "mixrig run s/scene.toml"});
+#endif
+#ifdef MIXRIG_EXTRA_PEOPLE
+  rows.push_back({"plan scene.toml --source take p", "p", "look at p/plan.png"});
+#endif
   const TinyTake take;
-  const Outcome run = take.mixrig("run scene.toml --source take --out out --backend cpu");
-  EXPECT_EQ(run.status, 0) << run.err;
-  const std::size_t last = run.out.rfind('\n', run.out.size() - 2) + 1;
-  const std::string line = run.out.substr(last);
-  EXPECT_EQ(line.rfind("done: wrote out, ", 0), 0U) << line;
-  EXPECT_NE(line.find("next: look at out/contact_sheet.png"), std::string::npos) << line;
+  take.text("m.csv", "frame,t_s,id,x_m,y_m,z_m,qx,qy,qz,qw\n1,0,1,0,0,0,0,0,0,1\n");
+  take.text("take/take.toml", take.text_of("take/take.toml") + kPoseOfTake);
+  for (const LastLine& row : rows) {
+    const Outcome outcome = take.mixrig(row.words);
+    ASSERT_EQ(outcome.status, 0) << row.words << ": " << outcome.err;
+    const std::string line =
+        outcome.out.substr(outcome.out.rfind('\n', outcome.out.size() - 2) + 1);
+    EXPECT_EQ(line.rfind(std::string("done: wrote ") + row.wrote + ", ", 0), 0U) << line;
+    EXPECT_NE(line.find(row.next), std::string::npos) << line;
+    EXPECT_TRUE(fs::exists(take.path(row.wrote))) << line;
+  }
+}
+
+TEST(CommandLine, ARunNotesWhatItsSceneLacks) {
+  const Outcome run = TinyTake().mixrig("run scene.toml --source take --backend cpu");
   EXPECT_NE(run.out.find("note: scene.toml: no [[object]]"), std::string::npos) << run.out;
+}
+
+/// The scene is a pipe that is written to only after the run has said what it opens.
+TEST(CommandLine, APipedRunSaysItsFirstWordWhileItStillOpensTheScene) {
+  const TinyTake take;
+  fs::remove(take.path("scene.toml"));
+  ASSERT_EQ(mkfifo(take.path("scene.toml").c_str(), 0600), 0);
+  const std::string line = "cd " + take.path("").string() +
+                           " && timeout 60 " MIXRIG_COMMAND
+                           " run scene.toml --source take 2>&1 >/dev/null";
+  FILE* const run = popen(line.c_str(), "r");
+  ASSERT_NE(run, nullptr);
+  char word[200] = {};
+  EXPECT_NE(fgets(word, sizeof word, run), nullptr);
+  EXPECT_STREQ(word, "opening the scene 0/1\n");
+  if (word[0] != 0) take.text("scene.toml", "");
+  pclose(run);
 }
 
 TEST(CommandLine, AnErrorIsJsonWhereTheReportWouldBe) {
@@ -91,7 +140,7 @@ TEST(CommandLine, RigInitWithoutDevicesWritesNothing) {
 
 TEST(CommandLine, ScanGivesABackgroundThatRunTakes) {
   const TinyTake take;
-  const Outcome scan = take.mixrig("scan --static take --frames 1-3 bg --backend cpu");
+  const Outcome scan = take.mixrig("scan --take take --frames 1-3 bg --backend cpu");
   ASSERT_EQ(scan.status, 0) << scan.err;
   EXPECT_NE(scan.out.find("100.0 %"), std::string::npos) << scan.out;
   EXPECT_NE(scan.out.find("\ndone: wrote bg, "), std::string::npos) << scan.out;
@@ -106,10 +155,7 @@ TEST(CommandLine, ScanGivesABackgroundThatRunTakes) {
 
 TEST(CommandLine, InfoDescribesAScannedRoom) {
   const TinyTake take;
-  take.text("take/take.toml", take.text_of("take/take.toml") +
-                                  "\n[pose]\nworld_from_target = { rotation = [[1.0, 0.0, 0.0], "
-                                  "[0.0, 0.0, 1.0], [0.0, -1.0, 0.0]], translation_m = [1.0, 0.0, "
-                                  "1.5] }\n");
+  take.text("take/take.toml", take.text_of("take/take.toml") + kPoseOfTake);
   const Outcome scan = take.mixrig("scan --take take room");
   ASSERT_EQ(scan.status, 0) << scan.err;
   const Outcome info = take.mixrig("info room --json info.json --picture plan.png");

@@ -92,7 +92,7 @@ TEST(MocapCommands, TheExternalCalibrationMakesCameraPosesOfBodyPoses) {
   EXPECT_NEAR(report["camera_in_body_m"][2].get<double>(), 0.11, 1e-5);
   EXPECT_FALSE(report["rotation_xyzw"].is_null());
   const Outcome tracked = take.mixrig(
-      "track --mocap walk.csv --constellation body.toml --calibration cal.toml --up z --out t.tum");
+      "track --mocap walk.csv --constellation body.toml --calibration cal.toml --up z t.tum");
   ASSERT_EQ(tracked.status, 0) << tracked.err;
   EXPECT_NE(tracked.out.find("2 of 2 frames"), std::string::npos) << tracked.out;
   const auto poses = read_tum(take.text_of("t.tum"));
@@ -113,7 +113,7 @@ TEST(MocapCommands, TrackFollowsALiveStream) {
   const stream::NatNetServer server(packets);
   const Outcome outcome =
       take.mixrig("track --mocap natnet:127.0.0.1:" + std::to_string(server.port()) +
-                  " --constellation body.toml --up z --out t.tum --json t.json --frames 4");
+                  " --constellation body.toml --up z t.tum --json t.json --frames 4");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const auto report = nlohmann::json::parse(take.text_of("t.json"));
   EXPECT_EQ(report["poses"], 4);
@@ -157,7 +157,7 @@ TEST(MocapCommands, ReportTheFileAndTheReasonInOneLine) {
         Mistake{"calibrate external no.toml", 2, "no.toml"},
         Mistake{"calibrate external body.toml", 2, "body.toml:3"}}) {
     const Outcome outcome =
-        take.mixrig(std::string(row.words) + (row.words[0] == 't' ? " --out bad.tum" : ""));
+        take.mixrig(std::string(row.words) + (row.words[0] == 't' ? " bad.tum" : ""));
     EXPECT_EQ(outcome.status, row.status) << row.words << ": " << outcome.err;
     EXPECT_EQ(outcome.error_lines(), 1) << row.words << ": " << outcome.err;
     EXPECT_NE(outcome.err.find(row.says), std::string::npos) << row.words << ": " << outcome.err;
