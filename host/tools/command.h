@@ -38,6 +38,7 @@ void add_help_pages_command(Command app, Context& context);
 void add_new_command(Command app, Context& context);
 void add_run_command(Command app, Context& context);
 void add_explain_command(Command app, Context& context);
+void add_import_command(Command app, Context& context);
 void add_info_command(Command app, Context& context);
 void add_scan_command(Command app, Context& context);
 void add_bench_command(Command app, Context& context);

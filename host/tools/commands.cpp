@@ -48,6 +48,7 @@ void add_commands(Command app, Context& context) {
   room(add_align_command);
   takes(add_record_command);
   takes(add_info_command);
+  takes(add_import_command);
   bench(add_rig_command);
   bench(add_diag_command);
   bench(add_trigger_command);

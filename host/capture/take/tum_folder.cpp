@@ -22,13 +22,7 @@ bool is_tum_folder(const fs::path& folder) {
          fs::is_regular_file(folder / "depth.txt", error);
 }
 
-namespace {
-
-constexpr std::size_t kMostCameraBytes = 4096, kMostTumListBytes = std::size_t{64} << 20;
-constexpr const char* kCameraFile = "calibration.txt";
-
-/// Numbers between blanks and commas; '#' starts a comment. nullopt for anything else.
-std::optional<std::vector<double>> camera_numbers(std::string_view text) {
+std::optional<std::vector<double>> parse_numbers(std::string_view text) {
   std::vector<double> numbers;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
@@ -47,6 +41,50 @@ std::optional<std::vector<double>> camera_numbers(std::string_view text) {
   return numbers;
 }
 
+namespace {
+
+constexpr std::size_t kMostCameraBytes = 4096, kMostTumListBytes = std::size_t{64} << 20;
+constexpr const char* kCameraFile = "calibration.txt";
+
+/// Cameras of 640x480 that data sets publish beside their folders, not in them: fx fy cx cy, and
+/// k1 k2 p1 p2 k3.
+struct PublishedCamera {
+  std::string_view begin, set;
+  double fx, fy, cx, cy;
+  geometry::Lens::Coefficients lens;
+};
+constexpr PublishedCamera kPublished[] = {
+    {"rgbd_dataset_freiburg1",
+     "TUM freiburg1",
+     517.306408,
+     516.469215,
+     318.643040,
+     255.313989,
+     {0.262383, -0.953104, -0.005358, 0.002628, 1.163314}},
+    {"rgbd_dataset_freiburg2",
+     "TUM freiburg2",
+     520.908620,
+     521.007327,
+     325.141442,
+     249.701764,
+     {0.231222, -0.784899, -0.003257, -0.000105, 0.917205}},
+    {"rgbd_dataset_freiburg3", "TUM freiburg3", 535.4, 539.2, 320.1, 247.6, {}},
+    {"rgbd_bonn_",
+     "Bonn",
+     542.822841,
+     542.576870,
+     315.593520,
+     237.756098,
+     {0.039903, -0.099343, -0.000730, -0.000144, 0}}};
+
+const PublishedCamera* published_camera(const fs::path& folder) {
+  const std::string name =
+      folder.has_filename() ? folder.filename() : folder.parent_path().filename();
+  for (const PublishedCamera& camera : kPublished)
+    if (name.starts_with(camera.begin)) return &camera;
+  return nullptr;
+}
+
 /// The size of the first colour picture that can be read.
 Result<Size> first_size(const fs::path& folder) {
   MIXRIG_ASSIGN(const std::string text, config::read_text(folder / "rgb.txt", kMostTumListBytes));
@@ -62,7 +100,7 @@ Result<Size> first_size(const fs::path& folder) {
 Result<geometry::CameraModel> read_camera(const fs::path& folder) {
   const fs::path path = folder / kCameraFile;
   MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMostCameraBytes));
-  const auto numbers = camera_numbers(text);
+  const auto numbers = parse_numbers(text);
   const std::vector<double> n = numbers.value_or(std::vector<double>());
   const bool matrix =
       n.size() == 9 && n[1] == 0 && n[3] == 0 && n[6] == 0 && n[7] == 0 && n[8] == 1;
@@ -112,6 +150,11 @@ Result<Manifest> tum_manifest(const fs::path& folder) {
     tell_once(where +
               "the camera is that of calibration.txt; depth in its view, in steps of 1/5000 "
               "m, is assumed");
+  } else if (const PublishedCamera* camera = published_camera(folder)) {
+    info.target.pinhole = {{640, 480}, camera->fx, camera->fy, camera->cx, camera->cy};
+    info.target.lens = geometry::Lens(camera->lens);
+    tell_once(where + "the camera published for " + std::string(camera->set) +
+              ", by the folder's name, and depth in its view, in steps of 1/5000 m, are assumed");
   } else {
     info.target.pinhole = {{640, 480}, 525.0, 525.0, 319.5, 239.5};
     const std::string unread = unread_camera_file(folder);

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -12,12 +14,16 @@
 
 namespace mixrig::take {
 
+/// Numbers between blanks and commas; '#' starts a comment. nullopt for anything else. Pure.
+std::optional<std::vector<double>> parse_numbers(std::string_view text);
+
 bool is_tum_folder(const std::filesystem::path& folder);
 
 /// Returns the manifest of a TUM folder without take.toml: depth registered to colour, 1/5000 m,
 /// ground truth where the folder has it. The camera is that of calibration.txt (fx fy cx cy, in one
 /// line or as a 3x3 matrix; behind four numbers k1 k2 p1 p2 [k3]) with the size of the first
-/// picture, else the nominal one of the Kinect (525, 319.5, 239.5 at 640x480). What is assumed is
+/// picture, else that published for the data set by whose name the folder begins, else the nominal
+/// one of the Kinect (525, 319.5, 239.5 at 640x480). What is assumed is
 /// told in a warning. Errors: kFormat for a calibration.txt that is neither, kNotFound.
 Result<Manifest> tum_manifest(const std::filesystem::path& folder);
 

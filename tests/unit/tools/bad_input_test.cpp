@@ -282,6 +282,8 @@ std::vector<Row> rows() {
       {"SizeOfMoreThanTheMemory", run + " --size 16384x16384", 2, {"16384x16384", "7680x4320"}},
       {"WatchAndNot", run + " --watch --no-watch", 2, {"--no-watch"}},
       {"StreamWithoutAPort", run + " --stream srt://host", 2, {"srt://host", "HOST:PORT"}},
+      {"ImportOverATake", "import no take", 2, {"'take'", "--force"}},
+      {"ImportOfATake", "import take out", 2, {"'take'", "a take already"}},
       {"RecordOverATake", "record take", 2, {"'take'", "--force"}},
       {"NotANumber", run + " --change-after nan", 2, {"nan"}},
       {"ScanOfFramesThatAreNotThere", "scan --take take --frames 1-9 bg", 2, {"1-9", "1-4"}},

@@ -2,12 +2,13 @@
 #include "host/capture/take/streams/matroska_tracks.h"
 
 #include <algorithm>
-#include <bit>
 #include <cctype>
 #include <fstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include "host/capture/take/streams/ebml.h"
 
 namespace mixrig::take {
 namespace {
@@ -15,72 +16,25 @@ namespace {
 constexpr std::size_t kHeadBytes = std::size_t{4} << 20;
 constexpr std::size_t kBitmapHeaderBytes = 40;  ///< before the codec's own data in VFW tracks
 
-enum ElementId : std::uint32_t {
-  kSegment = 0x18538067,
-  kTracks = 0x1654AE6B,
-  kTrackEntry = 0xAE,
-  kTrackNumber = 0xD7,
-  kTrackType = 0x83,
-  kCodecId = 0x86,
-  kCodecPrivate = 0x63A2,
-  kCluster = 0x1F43B675,
-  kBlockGroup = 0xA0,
-  kBlock = 0xA1,
-  kSimpleBlock = 0xA3,
-};
-
-struct Element {
-  std::uint32_t id = 0;
-  std::span<const std::uint8_t> body;  ///< cut where the bytes end
-};
-
-/// The elements of a body, one after the other.
-class Elements {
- public:
-  explicit Elements(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
-
-  bool next(Element& out) {
-    std::uint64_t id = 0, size = 0;
-    if (!number(4, false, id) || !number(8, true, size)) return false;
-    out.id = static_cast<std::uint32_t>(id);
-    out.body = rest_.first(static_cast<std::size_t>(std::min<std::uint64_t>(size, rest_.size())));
-    rest_ = rest_.subspan(out.body.size());
-    return true;
-  }
-
-  /// A number of variable length, with or without the mark of its length. Only ones mean that the
-  /// size is not known: the element goes on to the end.
-  bool number(int most_bytes, bool without_mark, std::uint64_t& value) {
-    if (rest_.empty()) return false;
-    const int length = std::countl_zero(rest_[0]) + 1;
-    if (length > most_bytes || rest_.size() < static_cast<std::size_t>(length)) return false;
-    value = 0;
-    for (int i = 0; i < length; ++i) value = (value << 8U) | rest_[static_cast<std::size_t>(i)];
-    rest_ = rest_.subspan(static_cast<std::size_t>(length));
-    if (!without_mark) return true;
-    value &= (std::uint64_t{1} << (7 * length)) - 1;
-    if (value == (std::uint64_t{1} << (7 * length)) - 1) value = ~std::uint64_t{0};
-    return true;
-  }
-  std::span<const std::uint8_t> rest() const { return rest_; }
-
- private:
-  std::span<const std::uint8_t> rest_;
-};
-
-std::uint64_t unsigned_of(std::span<const std::uint8_t> body) {
-  std::uint64_t value = 0;
-  for (const std::uint8_t byte : body.first(std::min<std::size_t>(body.size(), 8)))
-    value = (value << 8U) | byte;
-  return value;
-}
-
 /// Printable characters alone.
 std::string words_of(std::span<const std::uint8_t> bytes) {
   std::string text;
   for (const std::uint8_t byte : bytes.first(std::min<std::size_t>(bytes.size(), 40)))
     if (std::isprint(byte) != 0) text += static_cast<char>(byte);
   return text;
+}
+
+Size size_of(std::span<const std::uint8_t> video) {
+  const auto side = [](std::span<const std::uint8_t> body) {
+    return static_cast<int>(std::min<std::uint64_t>(unsigned_of(body), 1U << 16U));
+  };
+  Size size;
+  Elements parts(video);
+  for (Element part; parts.next(part);) {
+    if (part.id == kPixelWidth) size.width = side(part.body);
+    if (part.id == kPixelHeight) size.height = side(part.body);
+  }
+  return size;
 }
 
 std::string codec_words(const std::string& id) {
@@ -113,6 +67,8 @@ std::optional<MatroskaTrack> parse_entry(std::span<const std::uint8_t> body) {
     if (part.id == kTrackType) type = unsigned_of(part.body);
     if (part.id == kCodecId) codec = words_of(part.body);
     if (part.id == kCodecPrivate) own = part.body;
+    if (part.id == kTrackName) track.name = words_of(part.body);
+    if (part.id == kVideo) track.size_px = size_of(part.body);
   }
   if (type != 1) return std::nullopt;
   track.codec = codec_words(codec);
@@ -121,7 +77,7 @@ std::optional<MatroskaTrack> parse_entry(std::span<const std::uint8_t> body) {
     own = own.subspan(kBitmapHeaderBytes);
     if (track.codec == "MJPG") track.codec = "MJPEG";
     if (track.codec.empty()) track.codec = "raw pictures";  // no letters: a bitmap without a codec
-    if (track.codec == "b16g") track.codec = "raw grey of 16 bits (b16g)";
+    if (track.codec == "b16g") track.codec = kRawGray16;
   }
   if (track.codec == "FFV1") track.record.assign(own.begin(), own.end());
   return track;
@@ -183,6 +139,73 @@ std::optional<std::vector<MatroskaTrack>> parse_tracks(std::span<const std::uint
     }
   }
   return tracks;
+}
+
+namespace {
+
+/// Adds the blocks of a cluster; one that is laced or cut is left out.
+void add_blocks(std::span<const std::uint8_t> cluster, MatroskaContents& contents) {
+  std::int64_t ticks = 0;
+  const auto add = [&](const Element& element) {
+    if (element.is_cut) contents.is_cut = true;
+    if (element.is_cut) return;
+    constexpr std::size_t kTimeAndFlags = 3;
+    constexpr unsigned kLacing = 0x06;
+    Elements block(element.body);
+    std::uint64_t number = 0;
+    if (!block.number(8, true, number) || block.rest().size() < kTimeAndFlags) return;
+    const auto rest = block.rest();
+    if ((rest[2] & kLacing) != 0 || contents.blocks.size() >= kMostBlocks) return;
+    const auto relative = static_cast<std::int16_t>(rest[0] << 8 | rest[1]);
+    contents.blocks.push_back({number, ticks + relative, rest.subspan(kTimeAndFlags)});
+  };
+  Elements parts(cluster);
+  for (Element part; parts.next(part);) {
+    if (part.id == kClusterTime)
+      ticks = static_cast<std::int64_t>(unsigned_of(part.body) & 0xFFFFFFFFFFFFU);
+    if (part.id == kSimpleBlock) add(part);
+    if (part.id != kBlockGroup) continue;
+    Elements group(part.body);
+    for (Element inner; group.next(inner);)
+      if (inner.id == kBlock) add(inner);
+  }
+}
+
+void add_attachments(std::span<const std::uint8_t> list, MatroskaContents& contents) {
+  Elements files(list);
+  for (Element file; files.next(file);) {
+    if (file.id != kAttachedFile || contents.attachments.size() >= kMostTracks) continue;
+    std::string name;
+    std::span<const std::uint8_t> data;
+    Elements parts(file.body);
+    for (Element part; parts.next(part);) {
+      if (part.id == kFileName) name = words_of(part.body);
+      if (part.id == kFileData) data = part.body;
+    }
+    contents.attachments.emplace_back(name, data);
+  }
+}
+
+}  // namespace
+
+MatroskaContents parse_contents(std::span<const std::uint8_t> bytes) {
+  MatroskaContents contents;
+  contents.tracks = parse_tracks(bytes).value_or(std::vector<MatroskaTrack>());
+  Elements file(bytes);
+  for (Element top; file.next(top);) {
+    if (top.id != kSegment) continue;
+    Elements segment(top.body);
+    for (Element part; segment.next(part);) {
+      if (part.id == kCluster) add_blocks(part.body, contents);
+      if (part.id == kAttachments) add_attachments(part.body, contents);
+      if (part.id != kInfo) continue;
+      Elements info(part.body);
+      for (Element inner; info.next(inner);)
+        if (inner.id == kTimestampScale)
+          contents.tick_s = 1e-9 * static_cast<double>(unsigned_of(inner.body));
+    }
+  }
+  return contents;
 }
 
 Result<void> check_tracks(const std::filesystem::path& path, PixelKind kind) {
