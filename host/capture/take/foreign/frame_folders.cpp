@@ -71,7 +71,7 @@ Result<geometry::Pose> pose_of(const fs::path& file) {
                                     1e-2);
 }
 
-/// Copies all frames that have both pictures; what has none, or no pose, is told.
+/// Copies all frames. The poses are those of the depth camera. What has no pose is told.
 Result<void> add_frames(const fs::path& source, const FolderLayout& layout, ForeignTake& take) {
   int without_pose = 0;
   std::error_code error;
@@ -81,7 +81,7 @@ Result<void> add_frames(const fs::path& source, const FolderLayout& layout, Fore
     if (const fs::path depth = layout.depth.path(source, number); fs::exists(depth, error))
       MIXRIG_TRY(take.copy(Stream::kDepth, time_s, depth));
     if (const auto pose = pose_of(layout.pose.path(source, number)))
-      take.add_pose(time_s, *pose);
+      take.add_pose(time_s, *pose * geometry::inverse(take.info.target_from_tof));
     else
       ++without_pose;
   }
@@ -154,10 +154,11 @@ Result<void> read_seven_scenes_folder(const fs::path& source, ForeignTake& take)
                              0.5 * size.height};
   };
   take.info.target.pinhole = scaled(color, 525), take.info.tof.pinhole = scaled(depth, 585);
+  take.info.target_from_tof.translation_m.x() = -0.025;
   take.info.depth_unit_m = 0.001, take.further_unknown = {65535};
   take.told.assumed = {"the depth camera has the 585 px that the data set states",
-                       "the colour camera has the Kinect's nominal 525 px, and stands where the "
-                       "depth camera does: both are not calibrated"};
+                       "the colour camera has the Kinect's nominal 525 px, and stands 25 mm beside "
+                       "the depth camera: the data set has no calibration of it"};
   return add_frames(source, kSevenScenes, take);
 }
 
