@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "hal/base/log.h"
+#include "hal/base/order_statistics.h"
 #include "host/capture/capture/capture_reader.h"
 #include "host/room/background/frame_lens.h"
 #include "host/room/background/frame_views.h"
@@ -76,6 +77,33 @@ void tell(const model::StaticBackground& background) {
                           "frames to learn from: they are left out; in {:.1f} % the room was never "
                           "seen: give more frames, or frames of the empty room",
                           100 * background.covered_share, 100 * background.unseen_share));
+}
+
+/// Says where depth varies otherwise from frame to frame than its noise is stated or assumed. The
+/// warp takes the mean of neighbours, so a third is nothing to tell.
+void tell_noise(const model::StaticBackground& background, const geometry::DepthNoise& stated) {
+  constexpr int kStep = 4;
+  constexpr float kMost = 3, kLeast = 0.1F;
+  constexpr double kStill_m = 3e-4;  // depth that is drawn, or whose steps hide its noise
+  std::vector<float> ratios, depths_m;
+  for (int y = 0; y < background.depth_m.height(); y += kStep)
+    for (int x = 0; x < background.depth_m.width(); x += kStep)
+      if (const float z_m = background.depth_m.row(y)[x]; z_m > 0) {
+        ratios.push_back(background.depth_sigma_m.row(y)[x] /
+                         static_cast<float>(stated.sigma_m(z_m)));
+        depths_m.push_back(z_m);
+      }
+  if (ratios.empty()) return;
+  const float ratio = upper_median_in_place(std::span(ratios));
+  const float z_m = upper_median_in_place(std::span(depths_m));
+  log_info("room", fmt::format("depth noise: {:.2f} times what is stated", ratio));
+  const double stated_m = stated.sigma_m(z_m);
+  const bool varies = ratio * stated_m > kStill_m;
+  if (!varies || (ratio <= kMost && ratio >= kLeast)) return;
+  log_warning("room", fmt::format("at {:.1f} m depth varies by {:.1f} mm from frame to frame, and "
+                                  "depth.noise states {:.1f} mm: people are keyed by what is "
+                                  "stated: measure it by mixrig info --depth, and correct it",
+                                  z_m, 1e3 * ratio * stated_m, 1e3 * stated_m));
 }
 
 /// Reads the same frames again, and draws each in one wide view.
@@ -195,6 +223,7 @@ Result<model::StaticBackground> learn_background(capture::CaptureSource& source,
     if (!builder) builder.emplace(setup.view);
     MIXRIG_ASSIGN(model::StaticBackground background, builder->finish());
     tell(background);
+    tell_noise(background, setup.noise);
     if (!known.empty() && (poses != nullptr || setup.lens_moves))
       background.world_from_view = known.front().world_from_camera;
     return background;

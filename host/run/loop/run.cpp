@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/base/guarded.h"
+#include "hal/base/log.h"
 #include "hal/base/partial_path.h"
 #include "hal/base/pool.h"
 #include "hal/base/work_gate.h"
@@ -15,6 +16,7 @@
 #include "host/judge/baselines/judge.h"
 #include "host/output/sheet/contact_sheet.h"
 #include "host/room/background/frame_lens.h"
+#include "host/room/background/seen_through.h"
 #include "host/run/loop/capture_feed.h"
 #include "host/run/loop/run_compositor.h"
 #include "host/run/loop/run_poses.h"
@@ -90,6 +92,7 @@ class Runner {
     return judges() || (options_.true_people && session_.source->info().has_truth);
   }
   Result<void> open_compositor();
+  void tell_ghosts(const capture::Capture& capture);
   pose::FramePose pose_of_first(const capture::Capture& capture);
   Result<void> warm_up(capture::CaptureItem item, const pose::FramePose& known);
   Result<void> open_baselines();
@@ -113,6 +116,7 @@ class Runner {
   RunCompositor compositor_;
   RunPoses poses_;
   HeadWatch head_;
+  std::optional<model::SeenThrough> seen_through_;
   std::optional<CaptureFeed> feed_;
   Pool<output::Composite> composites_;
   Pool<output::Composite> inspected_;  ///< with inspection images that wait for a sink
@@ -146,6 +150,8 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   pose::FramePose known;
   if (first) known = pose_of_first(*first->capture);
   MIXRIG_TRY(open_compositor());
+  if (!session_.setup.background.depth_m.empty() && !session_.setup.lens_moves)
+    seen_through_.emplace(session_.setup);
   if (options_.baselines) MIXRIG_TRY(open_baselines());
   return first ? warm_up(*std::move(first), known) : Result<void>();
 }
@@ -189,6 +195,19 @@ render::OutputMask Runner::wanted(render::OutputMask by_sinks) const {
   const bool follows = session_.scene.light.follow;
   const render::OutputMask people = follows ? render::kMatte | render::kSegmentedDepth : 0;
   return by_sinks & render::kGpuColor ? by_sinks | people : by_sinks | people | render::kMatte;
+}
+
+/// Says after the first second whether the background holds what is gone.
+void Runner::tell_ghosts(const capture::Capture& capture) {
+  constexpr double kGhosts = 0.01;
+  const auto share = seen_through_ ? seen_through_->add(capture) : std::nullopt;
+  if (share) log_info("room", fmt::format("behind the background: {:.2f} %", 100 * *share));
+  if (!share || *share < kGhosts) return;
+  log_warning("room",
+              fmt::format("on {:.1f} % of the background depth lies behind it: it holds people or "
+                          "things that are gone, and people are keyed wrong there: scan the empty "
+                          "room again",
+                          100 * *share));
 }
 
 /// The first frame costs much more than others: shaders are built, memory is touched, and it is
@@ -236,6 +255,7 @@ Result<bool> Runner::frame() {
   if (options_.true_people && item->truth) composite.true_people = item->truth->people;
   composite.view = frame_view(session_.setup, *composite.capture);
   poses_.set(composite);
+  tell_ghosts(*composite.capture);
   if (!live()) sinks_.wait_for_mover();
   compositor_.move_objects(composite);
   poses_.watch(composite, judges(), judges() ? item->truth.get() : nullptr);
