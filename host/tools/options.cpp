@@ -143,6 +143,11 @@ void print_notes(const scene::Scene& scene, nlohmann::json& report) {
     notes.push_back("no [background] and no camera.capture_volume: nobody is keyed");
   if (!scene.objects.empty() && scene.light.lamps.empty() && !scene.light.find_lamps)
     notes.push_back("no [[light.lamp]]: objects are lit from all sides and cast no shadow");
+  constexpr double kNobody_pct = 0.01;  // as the report rounds
+  const bool keys = scene.background.learn || scene.background.model || scene.capture_volume;
+  if (keys && report.contains("foreground_pct") && report["foreground_pct"]["max"].is_number() &&
+      report["foreground_pct"]["max"].get<double>() < kNobody_pct)
+    notes.push_back("nobody was keyed in any frame: nobody came, or the background has who did");
   for (const char* note : notes) std::printf("  note: %s: %s\n", scene.path.string().c_str(), note);
   if (!notes.empty()) report["notes"] = notes;
 }

@@ -60,6 +60,33 @@ TEST_F(RealRun, PeopleInTheFramesToLearnFromAreLeftOutOfTheRoom) {
     }
 }
 
+/// A room that was saved with the people of frame 60, and without.
+TEST_F(RealRun, ABackgroundWithPeopleInItIsToldAfterASecond) {
+  std::string take = read_bytes(lab_ + "/take.toml");
+  std::filesystem::create_directory(path("still"));
+  for (const std::string name : {"color", "depth"}) {
+    const std::string file = name + (name == "color" ? "/%04d.jpg" : "/%04d.png");
+    const std::size_t at = take.find(file), end = take.find("count = 108\n", at);
+    ASSERT_NE(end, std::string::npos);
+    take.replace(at, end + 11 - at, path("still/" + name + ".txt\""));
+    std::ofstream list(path("still/" + name + ".txt"));
+    for (const char* time : {"0.0 ", "0.1 ", "0.2 "})
+      list << time << name << "/0060" << file.substr(file.size() - 4) << "\n";
+  }
+  std::ofstream(path("still/take.toml")) << take;
+  ASSERT_EQ(mixrig("scan --take " + path("still") + " --frames 1-3 " + path("people")), 0);
+  ASSERT_EQ(mixrig("scan --take " + lab_ + "/take.toml --frames 7-26 " + path("empty")), 0);
+  for (const std::string room : {"people", "empty"}) {
+    std::ofstream(path("scene.toml"))
+        << "[camera]\npose = \"identity\"\n[background]\nmodel = \"" << path(room) << "\"\n";
+    ASSERT_EQ(mixrig("run " + path("scene.toml") + " --source take:" + lab_ +
+                     "/take.toml --frames 1-30 --backend cpu"),
+              0);
+    EXPECT_EQ(read_bytes(path("log")).find("depth lies behind it") != std::string::npos,
+              room == "people");
+  }
+}
+
 /// A Kinect v1 whose colour its driver puts onto the depth, and the same with its centre 6 px
 /// aside.
 TEST_F(RealRun, InfoMeasuresHowFarDepthStepsLieFromThePicturesEdges) {

@@ -100,10 +100,11 @@ void tell_noise(const model::StaticBackground& background, const geometry::Depth
   const double stated_m = stated.sigma_m(z_m);
   const bool varies = ratio * stated_m > kStill_m;
   if (!varies || (ratio <= kMost && ratio >= kLeast)) return;
-  log_warning("room", fmt::format("at {:.1f} m depth varies by {:.1f} mm from frame to frame, and "
-                                  "depth.noise states {:.1f} mm: people are keyed by what is "
-                                  "stated: measure it by mixrig info --depth, and correct it",
-                                  z_m, 1e3 * ratio * stated_m, 1e3 * stated_m));
+  log_warning("room",
+              fmt::format("at {:.1f} m depth varies by {:.1f} mm from frame to frame, and "
+                          "depth.noise, stated or by default, is {:.1f} mm: people are "
+                          "keyed by that: measure it by mixrig info --depth, and correct it",
+                          z_m, 1e3 * ratio * stated_m, 1e3 * stated_m));
 }
 
 /// Reads the same frames again, and draws each in one wide view.

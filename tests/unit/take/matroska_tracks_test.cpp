@@ -69,7 +69,8 @@ TEST(MatroskaTracks, WhatIsNotReadIsRefusedByWhatItIs) {
            HeldRow{"mjpeg", kRgb8, {"holds MJPEG, not FFV1"}},
            HeldRow{"two_streams",
                    kRgb8,
-                   {"holds 2 streams of pictures (MJPEG, raw pictures)", "-map 0:v:0"}},
+                   {"holds 2 streams of pictures (MJPEG, raw pictures)", "mixrig import",
+                    "-map 0:v:0"}},
            HeldRow{"sound", kRgb8, {"holds no pictures"}},
        })
     EXPECT_TRUE(test::refused(check(row.name, row.kind), row.words, ErrorCode::kFormat))

@@ -98,6 +98,7 @@ TEST(CommandLine, TheLastLineSaysWhatWasWrittenAndWhatIsNext) {
 TEST(CommandLine, ARunNotesWhatItsSceneLacks) {
   const Outcome run = TinyTake().mixrig("run scene.toml --source take --backend cpu");
   EXPECT_NE(run.out.find("note: scene.toml: no [[object]]"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("nobody was keyed in any frame"), std::string::npos) << run.out;
 }
 
 /// The scene is a pipe that is written to only after the run has said what it opens.

@@ -229,11 +229,11 @@ Result<void> check_tracks(const std::filesystem::path& path, PixelKind kind) {
   if (tracks->size() > 1) {
     std::vector<std::string> codecs;
     for (const MatroskaTrack& track : *tracks) codecs.push_back(track.codec);
-    return bad(
-        fmt::format("{} streams of pictures ({})", codecs.size(), fmt::join(codecs, ", ")),
-        fmt::format("give each its own file, the first one with ffmpeg -i {} -map 0:v:0 -c:v "
-                    "ffv1 -pix_fmt {} stream_0.mkv",
-                    name, wanted.pixels));
+    return bad(fmt::format("{} streams of pictures ({})", codecs.size(), fmt::join(codecs, ", ")),
+               fmt::format("make a take of a recording by mixrig import, or give each its own "
+                           "file, the first one with ffmpeg -i {} -map 0:v:0 -c:v "
+                           "ffv1 -pix_fmt {} stream_0.mkv",
+                           name, wanted.pixels));
   }
   const MatroskaTrack& track = tracks->front();
   if (track.codec != "FFV1")
