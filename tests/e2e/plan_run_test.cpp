@@ -35,7 +35,9 @@ TEST_F(PlanRun, PeopleOfATakeAreFollowedOnTheFloor) {
   EXPECT_NEAR(dwelt_s, 2 * 1.8, 0.4);  // two people for two seconds, minus the first frames
   ASSERT_FALSE(plan["places"].empty());
   EXPECT_GE(plan["places"][0]["path_m"], 0.35);
-  EXPECT_EQ(report("out/report.json"), plan);
+  nlohmann::json kept = plan;  // main adds what it says last
+  for (const char* key : {"out", "next"}) kept.erase(key);
+  EXPECT_EQ(report("out/report.json"), kept);
   for (const char* file : {"people.csv", "plan.png", "dwell.png", "picture.png", "paths.glb"})
     EXPECT_TRUE(std::filesystem::exists(path("out/" + std::string(file)))) << file;
   const std::vector<double> times = column(path("out/people.csv"), 1);
