@@ -1,6 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass mix: the composite (docs/method/compositor.md).
+// Pass mix: the composite (docs/method/compositor.md), drawn for blocks that people or objects may
+// touch; mix_room.frag draws the others.
 //   plate, learned      linear light; learned is the background's colour
 //   room                one texel a block: colour of the background around, where none was learned
 //   backdrop            linear: replaces the background
