@@ -79,6 +79,8 @@ class Api:
                 return answer.status, answer.headers, answer.read(100) if mjpeg else answer.read()
         except urllib.error.HTTPError as error:
             return error.code, error.headers, error.read()
+        except TimeoutError as error:
+            raise AssertionError(f"{method} {path}: no answer in 60 s") from error
 
     def call(self, method, path, body=None, status=200, kind="application/json", **values):
         """The answer, which must be one that the text describes."""

@@ -13,6 +13,7 @@
 
 #include "hal/base/guarded.h"
 #include "hal/base/log.h"
+#include "host/capture/take/streams/gst_pipeline.h"
 #include "host/operator/page/connection.h"
 #include "host/operator/page/event_socket.h"
 #include "host/operator/page/hub.h"
@@ -222,6 +223,8 @@ Server::~Server() = default;
 Result<std::unique_ptr<Server>> Server::start(Operator& run, output::RunOrders& orders,
                                               const Clock& clock, const Listen& listen,
                                               const std::optional<Listen>& osc_in) {
+  // No WebRTC peer or recording then waits for plug-ins while frames come.
+  MIXRIG_TRY(take::start_gstreamer());
   auto impl = std::make_unique<Impl>(run, orders, clock);
   MIXRIG_TRY(impl->open(listen));
   if (osc_in) MIXRIG_TRY(impl->open_osc(*osc_in));

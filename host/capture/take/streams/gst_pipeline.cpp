@@ -10,14 +10,6 @@ namespace {
 
 constexpr int kMostWait_s = 10;
 
-Result<void> start_gstreamer() {
-  GError* error = nullptr;
-  if (gst_init_check(nullptr, nullptr, &error) != 0) return {};
-  const std::string why = error != nullptr ? error->message : "unknown";
-  g_clear_error(&error);
-  return Error{ErrorCode::kUnsupported, "cannot start GStreamer: " + why};
-}
-
 /// GStreamer's text of an error, with the system's reason where the element gives one: the last
 /// line of its details.
 std::string why_of(GstMessage* message) {
@@ -45,6 +37,14 @@ bool is_of_resource(GstMessage* message) {
 }
 
 }  // namespace
+
+Result<void> start_gstreamer() {
+  GError* error = nullptr;
+  if (gst_init_check(nullptr, nullptr, &error) != 0) return {};
+  const std::string why = error != nullptr ? error->message : "unknown";
+  g_clear_error(&error);
+  return Error{ErrorCode::kUnsupported, "cannot start GStreamer: " + why};
+}
 
 Result<void> check_elements(const std::vector<GstNeed>& needs, const std::string& what) {
   MIXRIG_TRY(start_gstreamer());

@@ -13,6 +13,10 @@
 
 namespace mixrig::take {
 
+/// Starts GStreamer once; later calls do nothing. The first start of a user reads all plug-ins,
+/// which takes up to a minute on a slow disk. Errors: kUnsupported.
+Result<void> start_gstreamer();
+
 /// An element of GStreamer, and the Debian package that has it.
 struct GstNeed {
   const char *element, *package;
