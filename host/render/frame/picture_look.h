@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a camera changes real things, measured in a plate as seen in the view (noise, width of
-// edges), and the filters that give virtual things the same look. Shared by both back ends.
+// How a camera changes real things, measured in a plate as seen in the view: noise, width of
+// edges. Shared by both back ends.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <span>
 #include <string>
-#include <vector>
 
 #include <glm/glm.hpp>
 
@@ -44,25 +40,6 @@ PictureLook wanted_of(const PictureLook& look, const LookSettings& wanted);
 /// Describes a look in one line for the log.
 std::string to_text(const PictureLook& look);
 
-/// Weights of a pixel, and of each pixel 1 and 2 beside it; the sum over both sides is 1.
-using LookTaps = std::array<float, kBlurReach + 1>;
-
-/// Taps that make virtual things as sharp as the plate: for brightness and coverage along both
-/// axes, and for colour differences along x and along y.
-struct LookFilter {
-  LookTaps light, chroma_x, chroma_y;
-};
-LookFilter look_filter(const PictureLook& look);
-
-/// Linear colour as (brightness, red - brightness, blue - brightness, alpha).
-inline glm::vec4 to_differences(const glm::vec4& c) {
-  const float y = luminance(glm::vec3(c));
-  return {y, c.r - y, c.b - y, c.a};
-}
-/// Inverse of to_differences(). Negative colours become 0; alpha above `most_alpha` is reduced to
-/// it, and the colour with it.
-glm::vec4 from_differences(const glm::vec4& d, float most_alpha);
-
 /// Measures the look of a picture in linear light, in which blocks of `block` pixels lie one below
 /// the other. Noise is taken from the smoothest third of the blocks of each brightness, so that
 /// texture does not count (Immerkaer 1996, at two scales). Edge width is the median of isolated
@@ -86,14 +63,5 @@ class LookMeter {
 
 /// Measures a compositor's first plate and logs the result.
 PictureLook measured_first(LookMeter& meter, ImageView<const Rgb8> plate);
-
-/// Table of noise of sigma 1, correlated as `grain` says: noise = byte * kGrainSigmas / 127. It is
-/// periodic and deterministic.
-Image<PackedNormal> make_grain(const Grain& grain);
-/// Texel of make_grain()'s table at which the grain of a frame begins.
-glm::ivec2 grain_offset(std::uint32_t frame);
-
-/// Taps of a Gaussian.
-LookTaps blur_taps(float sigma_px);
 
 }  // namespace mixrig::render

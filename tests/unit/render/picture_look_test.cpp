@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Noise and width of edges that are found in pictures of known ones.
+#include "host/render/frame/look_filter.h"
 #include "host/render/frame/picture_look.h"
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass look: gives virtual things the noise and sharpness of the plate (picture_look.h).
+// Pass look: gives virtual things the noise and sharpness of the plate (look_filter.h).
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 #include "hal/base/parallel.h"
 #include "host/render/cpu/virtual/virtual.h"
-#include "host/render/frame/picture_look.h"
+#include "host/render/frame/look_filter.h"
 
 namespace mixrig::render::cpu {
 

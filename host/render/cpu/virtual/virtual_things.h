@@ -12,6 +12,7 @@
 #include "host/render/cpu/mix/look.h"
 #include "host/render/cpu/stop_watch.h"
 #include "host/render/frame/frame_motion.h"
+#include "host/render/frame/look_filter.h"
 #include "host/render/frame/used_look.h"
 
 namespace mixrig::render::cpu {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass look: gives virtual things the noise and sharpness of the plate (picture_look.h).
+// Pass look: gives virtual things the noise and sharpness of the plate (look_filter.h).
 #pragma once
 
 #include "host/render/frame/picture_look.h"

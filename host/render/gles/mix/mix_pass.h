@@ -2,7 +2,7 @@
 // Pass mix: draws colour with matte, mixed depth, segmented depth and layer at once.
 #pragma once
 
-#include "host/render/frame/picture_look.h"
+#include "host/render/frame/look_filter.h"
 #include "host/render/gles/gl/gl_step.h"
 #include "host/render/gles/gl/tone_uniforms.h"
 #include "host/render/tables/prepare.h"

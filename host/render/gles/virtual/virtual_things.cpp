@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "host/render/frame/look_filter.h"
+
 namespace mixrig::render::gles {
 
 VirtualThings::VirtualThings(const CompositorSetup& setup, const FrameParams& frame)
