@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,7 +35,9 @@ bool is_matroska(const StreamInfo& stream);
 /// Errors: kFormat (file:line: key ...).
 Result<Manifest> parse_manifest(std::string_view text, const std::filesystem::path& path);
 
-/// Returns the manifest as text, its streams below root ".". `unfinished`: more frames follow.
-std::string manifest_text(const TakeInfo& info, bool unfinished = false);
+/// Returns the manifest as text, its streams below root ".". `unfinished`: more frames follow;
+/// `further_unknown`: depth steps without a measurement beside info.depth_unknown, at most three.
+std::string manifest_text(const TakeInfo& info, bool unfinished = false,
+                          std::span<const int> further_unknown = {});
 
 }  // namespace mixrig::take

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writing of take.toml.
 #include <array>
+#include <span>
+#include <vector>
 
 #include "host/capture/calibration_file/tables.h"
 #include "host/capture/take/manifest.h"
@@ -28,16 +30,22 @@ Writer color_table(const TakeInfo& info) {
 
 void set_steps(const Steps& steps, capture::DepthKind kind, const geometry::DepthNoise& noise,
                Writer& table) {
-  table.set("unit_m", steps.unit).set("unknown", steps.unknown[0]);
+  table.set("unit_m", steps.unit);
+  std::vector<double> unknown(steps.unknown.begin(), steps.unknown.end());
+  std::erase(unknown, -1.0);
+  if (unknown.size() > 1)
+    table.set("unknown", std::span<const double>(unknown));
+  else
+    table.set("unknown", steps.unknown[0]);
   if (steps.offset != 0) table.set("offset_m", steps.offset);
   table.set("kind", kind == capture::DepthKind::kZ ? "z" : "distance");
   table.set("noise", std::array<double, 3>{noise.floor_m, noise.linear, noise.quadratic_per_m});
 }
 
-Writer depth_table(const TakeInfo& info) {
+Writer depth_table(const TakeInfo& info, std::span<const int> further_unknown) {
   Writer table = stream_table(info.depth);
   if (!info.raw_depth.empty()) table.set("raw", info.raw_depth);
-  set_steps(depth_steps(info), info.depth_kind, info.noise, table);
+  set_steps(depth_steps(info, further_unknown), info.depth_kind, info.noise, table);
   return table;
 }
 
@@ -82,12 +90,13 @@ void add_second_depth(const TakeInfo& info, Writer& root) {
 
 }  // namespace
 
-std::string manifest_text(const TakeInfo& info, bool unfinished) {
+std::string manifest_text(const TakeInfo& info, bool unfinished,
+                          std::span<const int> further_unknown) {
   Writer root, pose;
   root.set("format", 1).set("name", info.name).set("root", ".");
   if (unfinished) root.set("unfinished", true);
   if (!info.calibration.empty()) root.set("calibration", info.calibration.string());
-  root.set("color", color_table(info)).set("depth", depth_table(info));
+  root.set("color", color_table(info)).set("depth", depth_table(info, further_unknown));
   if (info.amplitude)
     root.set("amplitude", amplitude_table(*info.amplitude, info.amplitude_is_light));
   if (info.depth2) add_second_depth(info, root);

@@ -147,8 +147,10 @@ TEST(Manifest, WhatIsWrittenIsReadBack) {
   info.depth_unit_m = 1.0 / 3000.0;
   info.depth_offset_m = -0.0125;
   info.has_truth = true;
-  const auto read = parse_manifest(manifest_text(info), "t/take.toml");
+  const std::vector<int> further{65535, 1200};
+  const auto read = parse_manifest(manifest_text(info, false, further), "t/take.toml");
   ASSERT_TRUE(read) << read.error().context;
+  EXPECT_EQ(read->further_unknown, further);
   EXPECT_EQ(read->info.name, info.name);
   EXPECT_EQ(read->info.color, info.color);
   EXPECT_EQ(read->info.depth, info.depth);

@@ -121,16 +121,7 @@ Result<void> ForeignTake::write_tables() {
     for (const StampedPose& pose : poses_) text += trajectory_line(pose);
     MIXRIG_TRY(write_file(folder / "poses.txt", text));
   }
-  std::string text = manifest_text(info);
-  if (!further_unknown.empty()) {
-    const std::string one = fmt::format("unknown = {}\n", info.depth_unknown);
-    if (const std::size_t at = text.find(one); at != std::string::npos) {
-      std::string all = fmt::format("unknown = [{}", info.depth_unknown);
-      for (const int step : further_unknown) all += fmt::format(", {}", step);
-      text.replace(at, one.size(), all + "]\n");
-    }
-  }
-  return write_file(folder / "take.toml", text);
+  return write_file(folder / "take.toml", manifest_text(info, false, further_unknown));
 }
 
 Result<Imported> ForeignTake::finish() {
