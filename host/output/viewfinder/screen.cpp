@@ -183,6 +183,8 @@ void Screen::write_help() {
       words.set("Space {}", key.what);
     else if (key.key == kFullScreenKey)
       words.set("Enter {}", key.what);
+    else if (key.key == kEscape)
+      words.set("Esc   {}", key.what);
     else
       words.set("{:<5} {}", static_cast<char>(std::toupper(key.key)), key.what);
     line(x, y, words.view(), kInk);

@@ -34,8 +34,10 @@ Request press(char key, ViewState& state) {
       return Request::kPlace;
     case kFullScreenKey:
       return Request::kFullScreen;
-    case 'q':
     case kEscape:
+      return Request::kLeave;
+    case 'q':
+    case kWindowClosed:
       return Request::kQuit;
     default:
       return Request::kNone;

@@ -27,7 +27,7 @@ enum class Overlay : std::uint8_t {
 inline constexpr std::size_t kOverlays = static_cast<std::size_t>(Overlay::kCount);
 
 /// What a key asks of the run; kNone: it only changes the display.
-enum class Request : std::uint8_t { kNone, kLearn, kRecord, kPlace, kQuit, kFullScreen };
+enum class Request : std::uint8_t { kNone, kLearn, kRecord, kPlace, kLeave, kQuit, kFullScreen };
 
 struct ViewState {
   View view = View::kComposite;
@@ -44,8 +44,8 @@ struct KeyHelp {
   char key;
   std::string_view what;
 };
-inline constexpr char kEscape = 27, kFullScreenKey = '\n';
-inline constexpr std::array<KeyHelp, 20> kKeys{{{'1', "composite"},
+inline constexpr char kEscape = 27, kWindowClosed = 4, kFullScreenKey = '\n';
+inline constexpr std::array<KeyHelp, 21> kKeys{{{'1', "composite"},
                                                 {'2', "plate"},
                                                 {'3', "key states"},
                                                 {'4', "depth, colours rescaled"},
@@ -64,10 +64,11 @@ inline constexpr std::array<KeyHelp, 20> kKeys{{{'1', "composite"},
                                                 {'r', "record, stop or pause"},
                                                 {'o', "place the next object"},
                                                 {kFullScreenKey, "full screen"},
-                                                {'q', "quit (also Esc)"}}};
+                                                {kEscape, "leave full screen, quit"},
+                                                {'q', "quit"}}};
 
-/// Changes the state by a key (lower case, or kEscape); other keys do nothing. Returns what the key
-/// asks of the run.
+/// Changes the state by a key (one of kKeys, or kWindowClosed); other keys do nothing. Returns what
+/// the key asks of the run.
 Request press(char key, ViewState& state);
 
 /// Changes to the display that come from elsewhere than its keys.

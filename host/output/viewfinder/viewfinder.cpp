@@ -56,6 +56,7 @@ class Viewfinder::Loop {
  private:
   bool follow_run();
   bool handle_keys();
+  void leave();
   void choose_object();
   void clicked(Window::Click click);
   void obey(Request request);
@@ -80,7 +81,7 @@ class Viewfinder::Loop {
   bool is_new_ = false;             ///< composite_, since the last picture
   output::CompositePtr composite_;  ///< that is shown
   HostTime last_arrival_{}, last_drawn_{}, asked_{};
-  HostTime message_until_{};
+  HostTime message_until_{}, leaves_until_{};
   std::optional<HostTime> last_depth_;  ///< mid-exposure of the last capture that had any
   std::optional<capture::SourceReport> devices_;
 };
@@ -100,6 +101,8 @@ void Viewfinder::Loop::give(const output::RunOrder& order, std::string_view done
 void Viewfinder::Loop::obey(Request request) {
   const output::RunState run = owner_.orders_.state();
   switch (request) {
+    case Request::kLeave:
+      return leave();
     case Request::kQuit:
       return give(output::StopRun{}, "ending");
     case Request::kLearn:
@@ -117,6 +120,14 @@ void Viewfinder::Loop::obey(Request request) {
     case Request::kNone:
       break;
   }
+}
+
+/// Leaves full screen. Elsewhere the run ends only by a second press while its message is shown.
+void Viewfinder::Loop::leave() {
+  if (window_.can_leave_full_screen()) return window_.toggle_full_screen();
+  if (owner_.clock_.now() < leaves_until_) return give(output::StopRun{}, "ending");
+  say("press Esc again to end the run");
+  leaves_until_ = message_until_;
 }
 
 /// Chooses the object to place: the next one with each press, none after the last.

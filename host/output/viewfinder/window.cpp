@@ -126,7 +126,7 @@ const Keys& Window::poll() {
     if (keys.size() == keys.capacity()) break;  // the rest next time
     const bool closed = event.type == SDL_QUIT || (event.type == SDL_WINDOWEVENT &&
                                                    event.window.event == SDL_WINDOWEVENT_CLOSE);
-    if (closed) keys.push_back(kEscape);
+    if (closed) keys.push_back(kWindowClosed);
     if (event.type == SDL_MOUSEBUTTONDOWN && event.button.button == SDL_BUTTON_LEFT)
       state_->click = Click{event.button.x, event.button.y};
     if (event.type == SDL_KEYDOWN && event.key.repeat == 0)
@@ -137,10 +137,15 @@ const Keys& Window::poll() {
 
 std::optional<Window::Click> Window::click() const { return state_->click; }
 
+bool Window::can_leave_full_screen() const {
+  return !whole_screen() &&
+         (SDL_GetWindowFlags(state_->window) & SDL_WINDOW_FULLSCREEN_DESKTOP) != 0;
+}
+
 void Window::toggle_full_screen() {
   if (whole_screen()) return;
-  const bool is = (SDL_GetWindowFlags(state_->window) & SDL_WINDOW_FULLSCREEN_DESKTOP) != 0;
-  SDL_SetWindowFullscreen(state_->window, is ? 0 : SDL_WINDOW_FULLSCREEN_DESKTOP);
+  SDL_SetWindowFullscreen(state_->window,
+                          can_leave_full_screen() ? 0 : SDL_WINDOW_FULLSCREEN_DESKTOP);
 }
 
 render::GlShare Window::share() const {

@@ -14,7 +14,7 @@
 
 namespace mixrig::viewfinder {
 
-/// Keys that were pressed: lower case, kFullScreenKey, and kEscape also for closing the window.
+/// Keys that were pressed: lower case, kFullScreenKey, kEscape; kWindowClosed for its close button.
 using Keys = std::vector<char>;
 
 /// All calls must come from the thread that opened it. At most one a process.
@@ -37,6 +37,8 @@ class Window {
     int x = 0, y = 0;
   };
   std::optional<Click> click() const;
+  /// False without a desktop, where the window is the whole screen.
+  bool can_leave_full_screen() const;
   void toggle_full_screen();
   /// The context with which a compositor can share objects; empty if SDL does not draw by OpenGL
   /// ES.

@@ -55,7 +55,8 @@ TEST(ViewStateTest, OtherKeysAskTheRun) {
   EXPECT_EQ(press('b', state), Request::kLearn);
   EXPECT_EQ(press('r', state), Request::kRecord);
   EXPECT_EQ(press('q', state), Request::kQuit);
-  EXPECT_EQ(press(kEscape, state), Request::kQuit);
+  EXPECT_EQ(press(kEscape, state), Request::kLeave);
+  EXPECT_EQ(press(kWindowClosed, state), Request::kQuit);
   EXPECT_EQ(press(kFullScreenKey, state), Request::kFullScreen);
   EXPECT_FALSE(state.frozen);
   EXPECT_EQ(press(' ', state), Request::kNone);

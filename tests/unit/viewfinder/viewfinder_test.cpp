@@ -10,6 +10,7 @@
 
 #include "tests/support/progress.h"
 #include "tests/support/refusal.h"
+#include "tests/support/threaded_clock.h"
 #include "tests/support/throw_in.h"
 #include "tests/unit/viewfinder/made_composite.h"
 
@@ -136,6 +137,24 @@ TEST_F(ViewfinderTest, ClosingTheWindowEndsTheRunAndSoDoesQ) {
   EXPECT_TRUE(test::comes_true([&] { return stop_.load(); }));
   ASSERT_TRUE(sink->write(made_composite())) << "a frame that was in work is still taken";
   ASSERT_TRUE(sink->finish());
+}
+
+TEST_F(ViewfinderTest, EscapeEndsTheRunOnlyWhenItIsPressedTwice) {
+  const FakeSource source(true);
+  test::SteppedClock clock;
+  auto made = Viewfinder::create({.title = "test", .picture_px = kMadeSize}, source, orders_, clock,
+                                 report_);
+  ASSERT_TRUE(made);
+  // A view that is shown tells that the Escape before was handled.
+  for (const View view : {View::kPlate, View::kMatte}) {
+    press(SDLK_ESCAPE), press(view == View::kPlate ? SDLK_2 : SDLK_6);
+    ASSERT_TRUE(test::comes_true([&] { return orders_.state().view == view; }));
+    EXPECT_FALSE(stop_);
+    clock.advance(std::chrono::seconds(3));
+  }
+  press(SDLK_ESCAPE), press(SDLK_ESCAPE);
+  EXPECT_TRUE(test::comes_true([&] { return stop_.load(); }));
+  ASSERT_TRUE((*made)->finish());
 }
 
 TEST_F(ViewfinderTest, LearnAndRecordOnlyWhereTheRunCan) {
