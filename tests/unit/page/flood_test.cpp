@@ -49,7 +49,7 @@ class Flood {
 /// Each request of the operator, on a new connection and on one that stays, is answered. How long
 /// the slowest took is printed, not judged: the machine may be busy.
 TEST(PageServerFlood, EveryRequestOfTheOperatorIsAnswered) {
-  constexpr int kRequests = 300;
+  constexpr int kRequests = 100;
   SystemClock clock;
   FakeOperator run;
   std::atomic<bool> stop = false;
