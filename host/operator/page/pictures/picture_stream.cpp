@@ -43,6 +43,9 @@ PictureStream::PictureStream(Hub& hub, beast::tcp_stream stream, GetPicture want
       wanted_(wanted),
       patience_(hub.io) {
   place_.stay();
+  // A single picture is one that is made from now on: the last one may be old.
+  const PicturePtr last = hub_.pictures->newest(wanted_.view);
+  if (last && !wanted_.stream && !hub_.pictures->frozen()) sent_ = last->serial;
   hub_.streams.insert(this);
   hub_.pictures->look(wanted_.view);
 }
@@ -59,9 +62,7 @@ void PictureStream::start() {
   stream_.socket().set_option(asio::ip::tcp::no_delay(true), ignored);
   stream_.expires_never();
   wait_for_end();
-  const PicturePtr last = hub_.pictures->newest(wanted_.view);
   if (wanted_.stream) return send_head();
-  if (last && !hub_.pictures->frozen()) sent_ = last->serial;  // may be old: wait for the next
   patience_.expires_after(kMostWait);
   patience_.async_wait([self = shared_from_this()](boost::system::error_code error) {
     if (!error && !self->writing_) self->send_none();
