@@ -43,7 +43,8 @@ class Server {
  public:
   /// Starts serving; with `osc_in` it also receives OSC at that address. `run` and `clock` outlive
   /// the server, `orders` also its sink. Errors: kUsage for an address that this machine does not
-  /// have, or a token's file that others may read; kIo where the port is taken.
+  /// have, or a token's file that others may read; kIo where the port is taken; kUnsupported where
+  /// GStreamer does not start.
   static Result<std::unique_ptr<Server>> start(Operator& run, output::RunOrders& orders,
                                                const Clock& clock, const Listen& listen,
                                                const std::optional<Listen>& osc_in = {});

@@ -36,9 +36,12 @@ class Runner {
         poses_(session_),
         judge_(!session.setup.backdrop) {}
 
+  /// Learns what is not there yet, opens back end and sinks, and composites the first frame
+  /// untimed.
   Result<void> prepare(FrameRange range, const ProgressFn& progress);
   /// False when the source has ended.
   Result<bool> frame();
+  /// Completes the files. Errors: kData where no frame was composited.
   Result<RunReport> finish(std::string ended);
   /// Ends the sinks after an error; files with a frame stay under their partial name, which the
   /// returned error says.
