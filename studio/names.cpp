@@ -13,7 +13,7 @@ struct Named {
   std::string_view name;
 };
 
-constexpr std::array<Named<Scenario>, 13> kScenarios{{{Scenario::kStill, "still"},
+constexpr std::array<Named<Scenario>, 14> kScenarios{{{Scenario::kStill, "still"},
                                                       {Scenario::kWalk, "walk"},
                                                       {Scenario::kTalk, "talk"},
                                                       {Scenario::kPan, "pan"},
@@ -25,7 +25,8 @@ constexpr std::array<Named<Scenario>, 13> kScenarios{{{Scenario::kStill, "still"
                                                       {Scenario::kFar, "far"},
                                                       {Scenario::kDark, "dark"},
                                                       {Scenario::kStarts, "starts"},
-                                                      {Scenario::kRounds, "rounds"}}};
+                                                      {Scenario::kRounds, "rounds"},
+                                                      {Scenario::kShot, "shot"}}};
 constexpr std::array<Named<RigPreset>, 3> kRigs{{{RigPreset::kSr3000, "sr3000"},
                                                  {RigPreset::kKinect2, "kinect2"},
                                                  {RigPreset::kHelios2, "helios2"}}};

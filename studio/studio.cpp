@@ -16,20 +16,14 @@
 namespace mixrig::studio {
 namespace {
 
-constexpr int kEmptyFrames = 25;
 constexpr int kStudioBand = 4;
-
-int empty_frames_of(const StudioOptions& o) {
-  if (o.scenario == Scenario::kSweep) return o.sweep.people ? o.sweep.frames_per_view : o.frames;
-  return std::min(kEmptyFrames, o.frames / 2);
-}
 
 StudioInfo make_info(const StudioOptions& options, const Layout& layout, const Rig& rig) {
   StudioInfo info;
   info.name = fmt::format("{} {}, {}", name(options.scenario), options.seed, name(options.rig));
   if (options.second_tof) info.name += fmt::format("+{}", name(*options.second_tof));
   info.frames = options.frames;
-  info.empty_frames = empty_frames_of(options);
+  info.empty_frames = empty_frames(options);
   info.room_m = {kRoomX_m, kRoomY_m, kRoomZ_m};
   info.target = rig.target;
   info.view = without_distortion(info.target);
@@ -43,7 +37,8 @@ StudioInfo make_info(const StudioOptions& options, const Layout& layout, const R
   info.camera_moves = layout.camera_moves;
   info.world_from_rest = rest_pose(layout);
   const bool sweeps = options.scenario == Scenario::kSweep;
-  if (sweeps || options.scenario == Scenario::kPan) info.pan_tilt = layout.pan_tilt;
+  if (sweeps || options.scenario == Scenario::kPan || options.scenario == Scenario::kShot)
+    info.pan_tilt = layout.pan_tilt;
   if (layout.camera_moves && !sweeps && options.scenario != Scenario::kStarts)
     info.mocap = mocap_of_seed(options.seed);
   return info;

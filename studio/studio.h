@@ -26,6 +26,7 @@ namespace mixrig::studio {
 /// and a half times, turns and walks back (Schiller et al. 2010, figure 11). The camera stands
 /// still except in pan, sweep, handheld, pendulum and carried; in starts it is elsewhere in every
 /// frame: within 1 m of where a sweep stands, turned by up to 60 degrees from where it looks ahead.
+/// In shot it turns to one side and back while the room is empty, and once more near the end.
 enum class Scenario {
   kStill,
   kWalk,
@@ -39,7 +40,8 @@ enum class Scenario {
   kFar,
   kDark,
   kStarts,
-  kRounds
+  kRounds,
+  kShot
 };
 /// The depth camera beside the target camera.
 enum class RigPreset { kSr3000, kKinect2, kHelios2 };
@@ -125,7 +127,8 @@ struct StudioOptions {
                                                     ///< scenario's; world
   std::optional<Eigen::Vector2d> object_m;          ///< of the object on the floor, in place of the
                                                     ///< scenario's; world x y
-  double pan_rad = 0.21;  ///< scenario pan: to either side, at up to 30 degrees a second; 0 to 2
+  double pan_rad = 0.21;  ///< 0 to 2. Scenario pan: to either side, at up to 30 degrees a second;
+                          ///< scenario shot: to one side
   ThinLens lens;          ///< only in the plain look
   std::optional<Refocus> refocus;  ///< of the judged look's lens
   Realism realism;                 ///< all off: the plain look

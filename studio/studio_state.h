@@ -117,6 +117,7 @@ struct Studio::State {
   bool in_slices = false;  ///< the exposure takes time
   SceneSurfels plate, view;
   bool has_plate = false, has_view = false;
+  std::array<geometry::Pose, 3> traced_from;  ///< of the target camera, at the times of each camera
   TofPlace tof_at;
   NormalTable normal;
   Image<Rgbf> still, slice, exposed;  ///< of the plate: without people, at one time, exposed

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Traces and lights the rays of a frame: the room once, people in each frame.
+#include <array>
+#include <utility>
+
 #include "studio/light/object_gloss.h"
 #include "studio/studio_state.h"
 
@@ -11,7 +14,14 @@ constexpr int kTraceBand = 4;
 }  // namespace
 
 void Studio::State::trace_static(const CameraPlace& place, double time_s, bool with_truth) {
-  const bool keep = options.cache && !info.camera_moves && !options.day.changes();
+  // A camera that moves may rest: at mid-exposure and when the depth cameras expose.
+  const auto at = [&](double delay_s) {
+    return camera_at(layout, options, time_s + delay_s).world_from_target;
+  };
+  const std::array poses{place.world_from_target, at(tof.sensor().delay_s),
+                         at(tof2 ? tof2->camera.sensor().delay_s : 0)};
+  const bool rests = std::exchange(traced_from, poses) == poses;
+  const bool keep = options.cache && rests && !options.day.changes();
   const Rect all{0, 0, options.size_px.width, options.size_px.height};
   if (!has_plate || !keep) {
     trace_tof(time_s, info.tof.target_from_tof, tof, tof_at);

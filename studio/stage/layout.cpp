@@ -13,6 +13,8 @@ namespace {
 
 /// Level of a lamp that is off; above 0, so that the shares of the lamps stay defined.
 constexpr float kLeastLamps = 1e-4F;
+constexpr int kEmptyFrames = 25;
+constexpr double kWanderSigma = 0.352;  // of wander(): uniform values, interpolated twice
 
 Light make_light(bool dim, float lamp_level) {
   Light light;
@@ -27,7 +29,6 @@ Light make_light(bool dim, float lamp_level) {
 /// nearest step; they do not see the play of the axes, whose sigma is the repeatability.
 CameraPlace swept(const geometry::Pose& rest, const PanTiltUnit& unit, double pan_rad,
                   double time_s, unsigned seed) {
-  constexpr double kWanderSigma = 0.352;  // of wander(): uniform values, interpolated twice
   constexpr double kPeriodPerRad_s = 12;  // 30 degrees a second in the middle
   const double pan =
       pan_rad > 0 ? pan_rad * std::sin(2 * kPi * time_s / (kPeriodPerRad_s * pan_rad)) : 0;
@@ -38,6 +39,26 @@ CameraPlace swept(const geometry::Pose& rest, const PanTiltUnit& unit, double pa
   };
   return {rest * rest_from_turned(unit, pan + play(301), tilt + play(302)),
           HeadAngles{whole_steps(unit, pan), whole_steps(unit, tilt)}};
+}
+
+/// Share of the way that something has gone at part t of its time: at rest before and after.
+double eased(double t) { return 0.5 * (1 - std::cos(kPi * std::clamp(t, 0.0, 1.0))); }
+
+/// The head turns to one side and back while the room is empty, stands, and turns there again. The
+/// play of the axes belongs to the place where the head stands.
+CameraPlace panned(const geometry::Pose& rest, const PanTiltUnit& unit,
+                   const StudioOptions& options, double time_s) {
+  constexpr double kTurnsAt = 0.7, kTurns = 0.2;  // parts of the take
+  const double there = 2 * time_s * kFrameRate_hz / empty_frames(options);
+  const double again = (time_s * kFrameRate_hz / options.frames - kTurnsAt) / kTurns;
+  const double pan = options.pan_rad * (there < 1 ? eased(there) : eased(2 - there) + eased(again));
+  constexpr float kPlayPerRad = 100;
+  const auto play = [&](unsigned salt) {
+    return unit.repeatability_rad / kWanderSigma *
+           wander(kPlayPerRad * static_cast<float>(pan), options.seed + salt);
+  };
+  return {rest * rest_from_turned(unit, pan + play(301), play(302)),
+          HeadAngles{whole_steps(unit, pan), whole_steps(unit, 0)}};
 }
 
 /// The head stands still at each view, at a whole step, but for the play of its axes.
@@ -136,6 +157,11 @@ geometry::Pose thrown(const geometry::Pose& rest, double time_s, unsigned seed) 
 
 }  // namespace
 
+int empty_frames(const StudioOptions& o) {
+  if (o.scenario == Scenario::kSweep) return o.sweep.people ? o.sweep.frames_per_view : o.frames;
+  return std::min(kEmptyFrames, o.frames / 2);
+}
+
 float ambient_share(float lamp_level) {
   constexpr float kOfWindows = 0.15F;
   return kOfWindows + (1 - kOfWindows) * lamp_level;
@@ -191,7 +217,8 @@ Layout make_layout(const StudioOptions& options) {
       make_light(scenario == Scenario::kDark, static_cast<float>(options.day.lamp_level));
   layout.camera_moves = scenario == Scenario::kPan || scenario == Scenario::kSweep ||
                         scenario == Scenario::kHandheld || scenario == Scenario::kPendulum ||
-                        scenario == Scenario::kCarried || scenario == Scenario::kStarts;
+                        scenario == Scenario::kCarried || scenario == Scenario::kStarts ||
+                        scenario == Scenario::kShot;
   if (options.sweep.crossing) {  // around the head
     stage.object = layout.eye_m.head<2>().cast<float>();
     stage.path_half_m = {0.8F, 1.1F};
@@ -220,6 +247,8 @@ CameraPlace camera_at(const Layout& layout, const StudioOptions& options, double
   switch (options.scenario) {
     case Scenario::kPan:
       return swept(rest, layout.pan_tilt, options.pan_rad, time_s, options.seed);
+    case Scenario::kShot:
+      return panned(rest, layout.pan_tilt, options, time_s);
     case Scenario::kSweep:
       if (options.sweep.views.empty())
         return as_moved(rest, layout.pan_tilt, options.sweep, time_s, options.seed);

@@ -21,15 +21,18 @@ struct Layout {
 
 struct CameraPlace {
   geometry::Pose world_from_target;
-  std::optional<HeadAngles> head = std::nullopt;  ///< of the encoders, in scenario pan
+  std::optional<HeadAngles> head =
+      std::nullopt;  ///< of the encoders, in scenarios pan, shot and sweep
 };
 
+/// Frames at the start of a take without people.
+int empty_frames(const StudioOptions& options);
 /// Share of the ambient light at a level of the lamps, relative to level 1.
 float ambient_share(float lamp_level);
 /// Opening angle of the door; 0: closed.
 float door_rad(const Day& day, double time_s);
 Layout make_layout(const StudioOptions& options);
-/// World pose of the target camera at rest; in scenario pan, at angles zero.
+/// World pose of the target camera at rest; of a pan-tilt unit, at angles zero.
 geometry::Pose rest_pose(const Layout& layout);
 /// Box that holds the person at all times of the take, and no furniture if the floor is clear.
 Volume capture_volume(const Layout& layout);

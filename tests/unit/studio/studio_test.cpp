@@ -10,6 +10,7 @@
 
 #include "studio/rig.h"
 #include "studio/sensors/lens.h"
+#include "studio/stage/layout.h"
 
 namespace mixrig::studio {
 namespace {
@@ -72,6 +73,32 @@ TEST(Studio, the_cache_of_static_parts_changes_nothing) {
   StudioOptions slow = small();
   slow.cache = false;
   expect_same(shoot(small(), {8, 10}), shoot(slow, {8, 10}));
+}
+
+/// 20 frames, of which the first ten are empty: the camera turns in 2 to 10 and in 16 to 18.
+TEST(Studio, a_camera_that_turns_and_rests_keeps_what_it_may) {
+  StudioOptions kept = small(Scenario::kShot);
+  kept.frames = 20;
+  StudioOptions slow = kept;
+  slow.cache = false;
+  expect_same(shoot(kept, {3, 4}), shoot(slow, {4}));
+  expect_same(shoot(kept, {12, 13}), shoot(slow, {13}));
+  expect_same(shoot(kept, {13, 17}), shoot(slow, {17}));
+  expect_same(shoot(kept, {13, 17, 19, 20}), shoot(slow, {20}));
+}
+
+TEST(Studio, a_shot_turns_to_one_side_and_back_before_anybody_comes) {
+  StudioOptions options = small(Scenario::kShot);
+  options.frames = 100;
+  const Layout layout = make_layout(options);
+  const auto pan_rad = [&](int frame) {
+    return camera_at(layout, options, (frame - 1) / kFrameRate_hz).head->pan_rad;
+  };
+  EXPECT_EQ(pan_rad(1), 0);
+  EXPECT_NEAR(pan_rad(13), options.pan_rad, 0.01);
+  for (int frame = 26; frame <= 70; ++frame) EXPECT_EQ(pan_rad(frame), 0) << frame;
+  EXPECT_NEAR(pan_rad(81), options.pan_rad / 2, 0.01);
+  for (int frame = 92; frame <= 100; ++frame) EXPECT_NEAR(pan_rad(frame), options.pan_rad, 1e-3);
 }
 
 TEST(Studio, seeds_differ) {
@@ -251,7 +278,7 @@ TEST(Studio, wrong_options_are_one_line) {
   EXPECT_NE(Studio::create(options).error().context.find("8x8"), std::string::npos);
   EXPECT_EQ(parse_scenario("dance").error().context,
             "unknown scenario 'dance': use one of still, walk, talk, pan, sweep, handheld, "
-            "pendulum, carried, edges, far, dark, starts, rounds");
+            "pendulum, carried, edges, far, dark, starts, rounds, shot");
   EXPECT_EQ(*parse_rig("helios2"), RigPreset::kHelios2);
 }
 

@@ -3,7 +3,10 @@
 #include "host/capture/take/streams/gst_pipeline.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <string_view>
+
+#include "hal/base/log.h"
 
 namespace mixrig::take {
 namespace {
@@ -36,9 +39,23 @@ bool is_of_resource(GstMessage* message) {
   return is;
 }
 
+/// Whether GStreamer has this user's list of plug-ins: $GST_REGISTRY, else a file in the cache.
+bool has_plugin_list() {
+  std::error_code ignored;
+  for (const char* name : {"GST_REGISTRY_1_0", "GST_REGISTRY"})
+    if (const char* const file = std::getenv(name)) return std::filesystem::exists(file, ignored);
+  const std::filesystem::path folder =
+      std::filesystem::path(g_get_user_cache_dir()) / "gstreamer-1.0";
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+    if (entry.path().extension() == ".bin") return true;
+  return false;
+}
+
 }  // namespace
 
 Result<void> start_gstreamer() {
+  if (gst_is_initialized() == 0 && !has_plugin_list())
+    log_warning("take", "GStreamer lists its plug-ins, once for this user: up to a minute");
   GError* error = nullptr;
   if (gst_init_check(nullptr, nullptr, &error) != 0) return {};
   const std::string why = error != nullptr ? error->message : "unknown";
