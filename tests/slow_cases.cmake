@@ -6,6 +6,7 @@ set(MIXRIG_SLOW_e2e_test
   Seeds/StudioRun.MeetsTheBoundsOfTheMainJob/1  # talk_kinect2
   Seeds/StudioRun.MeetsTheBoundsOfTheMainJob/2  # walk_sr3000
   BaselinesRun.PlainCompositesAndWrongOnesAreWorseInTheirOwnMeasure
+  FirstStart.SaysWhyItTakesLongAndTheNextOneDoesNot
   GreyCard.AWrongTransferIsNamed
   LiveScan.GoesOnAfterAnInterruptionAndIsAsGoodAsARecordedSweep
   OpenNi2Run.AStudioTakeRecordedByTheLibraryIsRecordedAgainAndComposited
