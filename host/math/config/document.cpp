@@ -118,6 +118,8 @@ Result<std::string> read_text(const std::filesystem::path& path, std::size_t max
   const int read_errno = std::ferror(file) != 0 ? errno : 0;
   std::fclose(file);
   if (read_errno != 0) return system_error(ErrorCode::kNotFound, what, read_errno);
+  if (const std::string kind = binary_kind(text); !kind.empty())
+    return Error{ErrorCode::kFormat, what + ": it is " + kind};
   if (text.size() > max_bytes)
     return Error{ErrorCode::kFormat, what + ": larger than " + std::to_string(max_bytes) +
                                          " bytes: give the right file"};

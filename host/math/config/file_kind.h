@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kinds of TOML files by the keys that only they have.
+// Kinds of TOML files by the keys that only they have, of other files by their first bytes.
 #pragma once
 
 #include <set>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace mixrig::config {
 
@@ -14,5 +15,9 @@ namespace mixrig::config {
 /// are takes, rigs, calibrations, scenes and rooms. Pure.
 std::string other_kind(std::span<const std::string> keys,
                        const std::set<std::string, std::less<>>& asked);
+
+/// What a file is that begins with these bytes, and what to do: "a Matroska file: ...". Empty where
+/// it may be text. Knows recordings, pictures and models. Pure.
+std::string binary_kind(std::string_view first_bytes);
 
 }  // namespace mixrig::config
