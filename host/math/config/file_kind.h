@@ -17,7 +17,7 @@ std::string other_kind(std::span<const std::string> keys,
                        const std::set<std::string, std::less<>>& asked);
 
 /// What a file is that begins with these bytes, and what to do: "a Matroska file: ...". Empty where
-/// it may be text. Knows recordings, pictures and models. Pure.
+/// it may be text or a model, which read_text() reads too. Knows recordings and pictures. Pure.
 std::string binary_kind(std::string_view first_bytes);
 
 }  // namespace mixrig::config

@@ -33,7 +33,7 @@ TEST(FileKind, ABinaryFileIsKnownByItsFirstBytes) {
   EXPECT_EQ(binary_kind("#ROSBAG V2.0\n"),
             "a ROS bag: make a take of a recording by mixrig import");
   EXPECT_EQ(binary_kind("\x89PNG\r\n"), "a PNG picture: give the right file");
-  for (const char* const text : {"", "#ROS", "[camera]\n", "glT", "NI = 1\n"})
+  for (const char* const text : {"", "#ROS", "[camera]\n", "glTF", "NI = 1\n"})
     EXPECT_EQ(binary_kind(text), "") << text;
 }
 
