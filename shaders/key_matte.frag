@@ -91,37 +91,42 @@ float matte_now(ivec2 at) {
 }
 
 // Nearest foreground of a whole cell beside a pixel: distance (beyond the reach: none, or the room
-// by the matte) and inverse depth.
+// by the matte), inverse depth, and whether people are surely there.
 struct Beside {
   int px;
   float w;
+  bool sure;
 };
 
 Beside beside(ivec2 at, ivec2 way) {
   ivec2 size = textureSize(state, 0);
-  Beside found = Beside(fill_reach_px + 1, 0.0);
+  Beside found = Beside(fill_reach_px + 1, 0.0, false);
   for (int d = 1; d <= fill_reach_px; ++d) {
     at += way;
     if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) break;
     float whole_w = texelFetch(w, at, 0).r;
     if (whole_w > 0.0 && is_foreground_at(at)) {
-      found = Beside(d, whole_w);
+      found = Beside(d, whole_w, false);
       break;
     }
   }
-  if (found.w > 0.0 && matte_now(at) < 0.5) found = Beside(fill_reach_px + 1, 0.0);
+  if (found.w <= 0.0) return found;
+  float share = matte_now(at);
+  if (share < 0.5) return Beside(fill_reach_px + 1, 0.0, false);
+  found.sure = share > fill_sure;
   return found;
 }
 
 // The better one of both sides of a pixel along a direction: the rear one where the ToF camera
-// cannot see the place.
+// cannot see the place and people are surely there.
 Beside nearest(Beside a, Beside b, float parallax) {
   bool both = max(a.px, b.px) <= fill_reach_px;
   float hidden_px = fill_shadow * parallax * abs(a.w - b.w), least_w = min(a.w, b.w);
   bool may_be_hidden = float(a.px + b.px - 1) <= hidden_px + fill_slack_px;
   bool differ = max(a.w, b.w) > fill_ratio * least_w;
-  Beside near = Beside(min(a.px, b.px), a.px <= b.px ? a.w : b.w);
-  if (both && may_be_hidden && differ) near.w = least_w;
+  bool sure = a.w <= b.w ? a.sure : b.sure;
+  Beside near = Beside(min(a.px, b.px), a.px <= b.px ? a.w : b.w, sure);
+  if (both && may_be_hidden && differ && sure) near.w = least_w;
   return near;
 }
 
@@ -141,7 +146,7 @@ float people_w(ivec2 at, float own, bool is_cut, float otherwise) {
   if (own > 0.0 && (!some || !(differs(left, own) && differs(right, own) && differs(above, own) &&
                                differs(below, own))))
     return own;
-  Beside near = Beside(min(row.px, column.px), row.px <= column.px ? row.w : column.w);
+  Beside near = row.px <= column.px ? row : column;
   return near.px <= fill_reach_px ? near.w : otherwise;
 }
 

@@ -125,11 +125,13 @@ inline constexpr int kBandBlocks = 1;
 inline constexpr int kDeepBlocks = 3;
 /// Pixels, along rows and columns, in which foreground depth is looked for to fill people's pixels
 /// without depth. The nearest one counts. The ToF camera cannot see between two that differ by more
-/// than kFillRatio within kFillShadow times their parallax, plus kFillSlackPx: the farther counts.
+/// than kFillRatio within kFillShadow times their parallax, plus kFillSlackPx: the farther counts
+/// if its matte is over kFillSure, since less may be the room.
 inline constexpr int kFillReachPx = 24;
 inline constexpr float kFillShadow = 1.25F;
 inline constexpr float kFillSlackPx = 3.0F;
 inline constexpr float kFillRatio = 1.06F;
+inline constexpr float kFillSure = 0.9F;
 /// Limits of the key from here on mean that the background has no depth there: depth cannot decide
 /// (doubt).
 inline constexpr float kNoLimitW = 1e30F;

@@ -169,6 +169,27 @@ TEST(Key, foreground_that_is_the_room_by_colour_gives_nobody_its_depth) {
   }
 }
 
+/// Depth, m, of people 2 m away beside a strip 3.5 m away whose colour is the shirt's to `part` and
+/// the wall's for the rest. Parallax may hide the place where it is read.
+float depth_beside_a_strip_m(float part) {
+  Keyed k;
+  k.setup.target_from_tof.translation_m.x() = 0.2;
+  k.person(22, 16, 26, 48, 3.5F), k.person(32, 16, 52, 48, 2);
+  for (int y = 16; y < 48; ++y)
+    for (int x = 26; x < 32; ++x) k.w.at(x, y) = 0;
+  const auto between = [part](float wall, float shirt) { return wall + part * (shirt - wall); };
+  k.paint(22, 16, 26, 48,
+          {between(kWall.r, kShirt.r), between(kWall.g, kShirt.g), between(kWall.b, kShirt.b)});
+  k.paint(26, 16, 52, 48, kShirt);
+  k.run();
+  return 1 / k.w.at(30, 32);
+}
+
+TEST(Key, only_surely_people_put_what_is_beside_them_behind_a_nearer_person) {
+  EXPECT_FLOAT_EQ(depth_beside_a_strip_m(0.4F), 2) << "matte of the strip 0.6 to 0.7";
+  EXPECT_FLOAT_EQ(depth_beside_a_strip_m(1), 3.5F);
+}
+
 TEST(Key, depth_that_parallax_does_not_explain_is_that_of_the_nearer_pixel) {
   const TwoPeople k(6, 0);
   for (int x = 26; x < 29; ++x) EXPECT_FLOAT_EQ(k.z_m(x), 3) << x;

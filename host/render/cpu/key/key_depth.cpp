@@ -20,6 +20,7 @@ constexpr auto kOfDoubt = static_cast<std::uint8_t>(PixelState::kEdge);
 struct Beside {
   int px = kFillReachPx + 1;  // distance; over kFillReachPx: none
   float w = 0;
+  bool sure = false;  ///< surely people
   bool known() const { return px <= kFillReachPx; }
 };
 
@@ -37,19 +38,23 @@ struct DepthFill {
       if (state.row(y)[x] != kOfForeground || (alone && alone->row(y)[x])) continue;
       const float w = view_w.row(y)[x];
       if (from_cut_cell(w)) continue;
-      return matte.row(y)[x] >= kMostlyPeople ? Beside{d, w} : Beside{};
+      const std::uint8_t share = matte.row(y)[x];
+      return share >= kMostlyPeople ? Beside{d, w, static_cast<float>(share) > 255 * kFillSure}
+                                    : Beside{};
     }
     return {};
   }
 
-  /// The nearer side of a pixel; its depth is the farther one of both if the place may be hidden.
+  /// The nearer side of a pixel; its depth is the farther one of both if the place may be hidden
+  /// and people are surely there.
   static Beside of(const Beside& a, const Beside& b, float parallax_px_m) {
     const Beside& near = a.px <= b.px ? a : b;
-    if (!a.known() || !b.known()) return near;
+    const Beside& rear = a.w <= b.w ? a : b;
+    if (!a.known() || !b.known() || !rear.sure) return near;
     const float hidden_px = kFillShadow * parallax_px_m * std::abs(a.w - b.w);
     const bool may_be_hidden = static_cast<float>(a.px + b.px - 1) <= hidden_px + kFillSlackPx;
-    const bool differ = std::max(a.w, b.w) > kFillRatio * std::min(a.w, b.w);
-    if (may_be_hidden && differ) return {near.px, std::min(a.w, b.w)};
+    const bool differ = std::max(a.w, b.w) > kFillRatio * rear.w;
+    if (may_be_hidden && differ) return {near.px, rear.w, true};
     return near;
   }
 
