@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 
 from page import Page
-from takes import FULL_FRAMES, FULL_SIZE, MOVING, RIGS, ROOT, STILL, Workshop, seeds
+from takes import FULL_FRAMES, FULL_SIZE, MOVING, RIGS, ROOT, STILL, Workshop, drawn_seeds, seeds
 
 
 def machine():
@@ -84,18 +84,29 @@ def main():
                         help="the seeds that may be tuned on; give another --out")
     parser.add_argument("--takes", action="store_true",
                         help="only renders the takes, so that the runs can be timed on an idle machine")
+    parser.add_argument("--tag", help="version whose judged seeds are drawn, in place of the list")
+    parser.add_argument("--size", type=int, default=2, help="how many seeds --tag draws")
+    parser.add_argument("--dry", action="store_true", help="only prints the seeds")
     arguments = parser.parse_args()
+    if arguments.tag and arguments.tuned:
+        sys.exit("make.py: --tag draws judged seeds: leave out --tuned")
     if arguments.tuned and arguments.out.resolve() == (ROOT / "docs/results").resolve():
         sys.exit("make.py: the page shows judged seeds: give --tuned another --out")
     chosen = seeds("kTunedFigures" if arguments.tuned else "kFigures")[:arguments.seeds]
-    calibrated = chosen[:1] if arguments.tuned else seeds("kCalibratedFigures")
+    if arguments.tag:
+        chosen = drawn_seeds(arguments.tag, arguments.size)[:arguments.seeds]
+    calibrated = chosen[:1] if arguments.tuned or arguments.tag else seeds("kCalibratedFigures")
+    if arguments.dry:
+        print(*chosen)
+        return
     shop = Workshop(arguments.mixrig, arguments.cache, arguments.takes)
     runs = collect(shop, chosen, calibrated)
     if arguments.takes:
         return
     arguments.out.mkdir(parents=True, exist_ok=True)
     pictures = worst_pictures(shop, runs, arguments.out)
-    command = " ".join(["docs/results/make.py"] + (["--tuned"] if arguments.tuned else []))
+    command = " ".join(["docs/results/make.py"] + (["--tuned"] if arguments.tuned else []) +
+                       ([f"--tag {arguments.tag} --size {arguments.size}"] if arguments.tag else []))
     page = Page(runs, chosen, calibrated, pictures,
                 f"{machine()}, cpu back end; commit {commit()}; up to {shop.load():.0f} "
                 f"processes running beside; made by `{command}`")

@@ -25,6 +25,27 @@ def seeds(name):
     return [int(s) for s in re.search(name + r"\{([^}]*)\}", header).group(1).split(",")]
 
 
+def spent_seeds():
+    """The ranges kSpent of tests/support/seeds.h, as a set."""
+    header = (ROOT / "tests/support/seeds.h").read_text()
+    ranges = re.search(r"kSpent\{(.*?)\};", header, re.DOTALL).group(1)
+    return {seed for first, last in re.findall(r"\{(\d+), (\d+)\}", ranges)
+            for seed in range(int(first), int(last) + 1)}
+
+
+def drawn_seeds(tag, size):
+    """Judged seeds of a version, by a rule that nobody can choose by: SHA-256 of "TAG N" for N = 0,
+    1, ..., its first 32 bits modulo a million, above 1000; spent seeds and repeats are left out."""
+    spent, drawn, number = spent_seeds(), [], 0
+    while len(drawn) < size:
+        word = hashlib.sha256(f"{tag} {number}".encode()).hexdigest()[:8]
+        seed = 1001 + int(word, 16) % 1_000_000
+        if seed not in spent and seed not in drawn:
+            drawn.append(seed)
+        number += 1
+    return drawn
+
+
 def digest(paths):
     total = hashlib.sha256()
     for path in paths:

@@ -18,6 +18,11 @@ inline constexpr std::array kTunedFigures{7};
 /// Seeds of the figures with an estimated calibration: boards and takes of one rig.
 inline constexpr std::array kCalibratedFigures{1101};
 
+/// First and last of ranges above kLastTuned that were rendered or looked at: docs/results/make.py
+/// draws none of them.
+inline constexpr std::array<std::array<int, 2>, 3> kSpent{
+    {{1021, 1063}, {1101, 1109}, {1201, 1206}}};
+
 /// Held-out seeds of tests of whole runs.
 inline constexpr int kWalk = 1021, kTalk = 1022, kCoarseWalk = 1023, kMoving = 1031, kSet = 1051;
 /// Seed of the test that checks the measures, not the compositor: its margins were looked at.

@@ -119,10 +119,11 @@ void count_frames(const SoakSink& sink, int first_number, double rate_hz, SoakRe
   const auto [first, last] = sink.numbers();
   report.before = static_cast<std::uint64_t>(std::llround(sink.first_s() * rate_hz));
   const auto read = static_cast<std::uint64_t>(last - first + 1);
-  report.dropped_before = read - report.shown - report.dropped_after;
+  const std::uint64_t gaps = read - report.shown - report.dropped_after;
+  report.dropped_before = std::min(gaps, live.dropped_sets);
   // The counters of what lies before the reader also have what was lost while nothing was read.
   const std::uint64_t of_reader =
-      report.dropped_before + static_cast<std::uint64_t>(std::max(0, first - first_number));
+      gaps + static_cast<std::uint64_t>(std::max(0, first - first_number));
   const std::uint64_t counted =
       live.left_out + live.dropped_sets - std::min(live.dropped_sets, of_reader);
   const std::uint64_t lost = report.exposed - std::min(report.exposed, report.before + read);

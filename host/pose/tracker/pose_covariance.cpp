@@ -16,6 +16,9 @@ using SixBySix = Eigen::Matrix<double, 6, 6>;
 
 constexpr std::size_t kParts = 24;
 constexpr int kFewestOfPart = 3;
+/// Variance of the shared errors over what the means of the 24 parts show: views meet inside of
+/// parts, where their errors cancel in the mean. Chosen for as many views as parts.
+constexpr double kHiddenInParts = 2;
 
 /// Returns the part of the room in a direction, by its longest axis and the signs of all three.
 std::size_t part_of_room(const Eigen::Vector3f& direction) {
@@ -67,7 +70,8 @@ class CommonError {
   /// if patches also have independent errors of variance `own`.
   SixBySix covariance(double own) const {
     if (!(by_variance_ > 0)) return SixBySix::Zero();
-    return std::max(0.0, squares - own * std::max(0.0, freedom - 6)) / by_variance_ * pulls_;
+    const double shared = squares - own * std::max(0.0, freedom - 6);
+    return kHiddenInParts * std::max(0.0, shared) / by_variance_ * pulls_;
   }
   /// Squares and degrees of freedom of the offsets that the shared errors explain.
   double squares = 0, freedom = 0;

@@ -141,8 +141,7 @@ std::vector<FitRow> fit_rows(const Sides& sides, const Pose& a_from_b, double ga
              const Vector3d lever =
                  side.of_b ? Vector3d(at_m - a_from_b.translation_m) : Vector3d(turn * at_m);
              row.slope << row.normal, lever.cross(row.normal);
-             if (!side.of_b) row.slope = -row.slope;
-             row.off_m = seen.off_m;
+             row.off_m = side.of_b ? seen.off_m : -seen.off_m;
              row.sigma_m = std::hypot(seen.sigma_m, side.places[i].sigma_m);
              rows.push_back(row);
            });

@@ -13,8 +13,8 @@ namespace mixrig::model {
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-/// One residual of the fit, in a's axes: distance along the normal, and its derivative by a shift
-/// and a turn about b's origin.
+/// One residual of the fit, in a's axes: how far b's surface lies behind a's along the normal, and
+/// its derivative by a shift and a turn about b's origin.
 struct FitRow {
   Vector6d slope;
   double off_m = 0;

@@ -86,7 +86,8 @@ TEST_F(RealLamps, ListedLampsAreCandidatesAndWhiteThingsFade) {
   for (const Vector2d& px :
        {Vector2d(293.3, 527.6), Vector2d(279.5, 459.2), Vector2d(297.6, 314.9)}) {
     const BrightRegion* robot = at(office, px);
-    EXPECT_TRUE(robot == nullptr || !looks_like_lamp(*robot)) << px.transpose();
+    ASSERT_NE(robot, nullptr) << px.transpose();
+    EXPECT_FALSE(looks_like_lamp(*robot)) << px.transpose() << " surround " << robot->surround;
   }
 }
 

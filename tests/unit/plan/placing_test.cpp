@@ -148,11 +148,15 @@ TEST(Placing, the_shadow_falls_away_from_the_lamp) {
   PlacingOptions options;
   options.lamp_m = Eigen::Vector3d(3.5, 0, 2.0);  // the shadow is as long as the box is away
   const auto places = suggest_places(stage.map, {}, box, stage.view, 50, options);
+  int whole = 0, cut = 0;  // shadows
   for (const FreePlace& p : places) {
     const Eigen::Vector2d tip = 2 * p.at_m - Eigen::Vector2d(3.5, 0);
     const bool inside = tip.x() > 1.4 && tip.x() < 5.6 && std::abs(tip.y()) < 2.1;
-    EXPECT_TRUE(inside || p.shadow_share < 1) << p.at_m.transpose();
+    EXPECT_EQ(p.shadow_share == 1, inside) << p.at_m.transpose();
+    ++(inside ? whole : cut);
   }
+  EXPECT_GT(whole, 10);
+  EXPECT_GT(cut, 10);
 }
 
 TEST(Placing, a_box_larger_than_the_floor_has_no_place) {

@@ -95,18 +95,24 @@ TEST(WrappedAreas, mix_and_light_see_the_wall_and_the_key_what_was_learned) {
   EXPECT_GT(tables.key_limit_w.at(60, 60), 0.9F / kMirrorTooNearM);
 }
 
+void expect_mesh_on_the_wall(const render::CompositorSetup& setup) {
+  const auto mesh = render::make_room_mesh(setup, {});
+  EXPECT_EQ(mesh.positions_m.size(), 160U * 128U);
+  for (const glm::vec3& p : mesh.positions_m) EXPECT_GT(p.z, 3.9F);
+}
+
 TEST(WrappedAreas, a_mirror_hides_no_lamp) {
   const MirrorRoom room(40, 30, 90, 80, 10);
   const Image<Rgbf> color(kMirrorView, {0.4F, 0.4F, 0.4F});
   render::CompositorSetup setup = setup_of(room, color);
-  for (const glm::vec3& p : render::make_room_mesh(setup, {}).positions_m) EXPECT_GT(p.z, 3.9F);
+  expect_mesh_on_the_wall(setup);
   setup.background = {};
   render::BackgroundModel model;
   model.camera = setup.view;
   model.world_from_face.emplace_back();
   model.depth_m = room.depth_m, model.depth_sigma_m = room.sigma_m;
   setup.background_models.push_back(model);
-  for (const glm::vec3& p : render::make_room_mesh(setup, {}).positions_m) EXPECT_GT(p.z, 3.9F);
+  expect_mesh_on_the_wall(setup);
 }
 
 }  // namespace

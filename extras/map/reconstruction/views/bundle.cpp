@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "extras/map/reconstruction/views/bundle.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
@@ -40,9 +42,31 @@ struct RangeResidual {
   }
 };
 
-}  // namespace
+bool is_finite(const Bundle& bundle) {
+  const auto all = [](const auto& of, const auto& test) {
+    return std::all_of(of.begin(), of.end(), test);
+  };
+  return all(bundle.camera_from_map,
+             [](const geometry::Pose& p) {
+               return p.rotation.coeffs().allFinite() && p.translation_m.allFinite();
+             }) &&
+         all(bundle.places, [](const Eigen::Vector3d& p) { return p.allFinite(); }) &&
+         all(bundle.rays,
+             [](const BundleRay& r) {
+               return r.ray.direction.allFinite() && r.ray.whitener.allFinite();
+             }) &&
+         all(bundle.ranges, [](const BundleRange& r) {
+           return std::isfinite(r.range) && std::isfinite(r.sigma) && r.sigma > 0;
+         });
+}
 
-bool adjust(Bundle& bundle, int iterations, int threads) {
+/// Moves the origin of the map by `by`.
+void move_origin(Bundle& bundle, const Eigen::Vector3d& by) {
+  for (geometry::Pose& p : bundle.camera_from_map) p.translation_m += p.rotation * by;
+  for (Eigen::Vector3d& p : bundle.places) p -= by;
+}
+
+bool solve_bundle(Bundle& bundle, int iterations, int threads) {
   std::vector<std::array<double, 6>> views(bundle.camera_from_map.size());
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Eigen::Vector3d turn = estimation::rotation_log(bundle.camera_from_map[i].rotation);
@@ -80,6 +104,29 @@ bool adjust(Bundle& bundle, int iterations, int threads) {
                                  {views[i][3], views[i][4], views[i][5]}};
   bundle.places = std::move(places);
   return true;
+}
+
+}  // namespace
+
+Result<void> adjust(Bundle& bundle, int iterations, int threads) {
+  if (!is_finite(bundle))
+    return Error{
+        ErrorCode::kData,
+        "bundle: a pose, place, ray or distance is not a finite number, or its sigma is 0"};
+  Eigen::Vector3d middle(0, 0, 0);
+  for (const Eigen::Vector3d& p : bundle.places)
+    middle += p / static_cast<double>(bundle.places.size());
+  const auto poses = bundle.camera_from_map;
+  const auto places = bundle.places;
+  move_origin(bundle, middle);
+  if (!solve_bundle(bundle, iterations, threads)) {
+    bundle.camera_from_map = poses, bundle.places = places;
+    return Error{ErrorCode::kData, "bundle: no poses and places explain its rays"};
+  }
+  move_origin(bundle, -middle);
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    if (bundle.fixed[i]) bundle.camera_from_map[i] = poses[i];
+  return {};
 }
 
 }  // namespace mixrig::reconstruction

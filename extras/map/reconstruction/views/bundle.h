@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "hal/base/result.h"
 #include "host/math/estimation/points/bearing.h"
 #include "host/math/geometry/pose.h"
 
@@ -31,7 +32,8 @@ struct Bundle {
 
 /// Minimises ray_error() with Huber's loss from 2 sigmas on, and the errors of the ranges with
 /// Cauchy's. Views and places move; without ranges and two fixed views the scale is free and stays
-/// near its start. False, with nothing moved, where the solver fails.
-bool adjust(Bundle& bundle, int iterations, int threads);
+/// near its start. Computes about the middle of the places. Errors, kData, with nothing moved: a
+/// number that is not finite, or the solver fails.
+Result<void> adjust(Bundle& bundle, int iterations, int threads);
 
 }  // namespace mixrig::reconstruction
