@@ -21,10 +21,13 @@ Size spread_size(Size view) {
           (view.height + kSpreadStep - 1) / kSpreadStep};
 }
 
-/// Repeats each of the first kLanes / 2 values twice.
+/// Loads kLanes / 2 values of 4 bytes and repeats each twice. What follows them may belong to the
+/// row of another thread.
 template <std::size_t... i>
-FloatLanes twice_each(FloatLanes f, std::index_sequence<i...>) {
-  return __builtin_shufflevector(f, f, static_cast<int>(i / kSpreadStep)...);
+FloatLanes twice_each(const void* from, std::index_sequence<i...>) {
+  using Half = float __attribute__((vector_size(4 * kLanes / kSpreadStep)));
+  const auto half = load<Half>(from);
+  return __builtin_shufflevector(half, half, static_cast<int>(i / kSpreadStep)...);
 }
 
 /// Term of each lane's plane; mostly one plane serves all lanes.
@@ -262,8 +265,8 @@ void MovingBackground::light_row(int y) {
   float *light_m = light_depth_m_.row(y), *depth_m = depth_m_.row(y);
   for (int x = 0; x < width; x += kLanes) {
     const FloatLanes drawn = load<FloatLanes>(w + x);
-    const IntLanes plane = std::bit_cast<IntLanes>(twice_each(
-        load<FloatLanes>(of_squares + x / kSpreadStep), std::make_index_sequence<kLanes>{}));
+    const IntLanes plane = std::bit_cast<IntLanes>(
+        twice_each(of_squares + x / kSpreadStep, std::make_index_sequence<kLanes>{}));
     const IntLanes wrapped = plane < 0, number = wrapped ? -plane : plane;
     const FloatLanes ray_x =
         (lane_numbers() + (static_cast<float>(x) - view.center_px.x)) / view.focal_px.x;
@@ -295,8 +298,8 @@ void MovingBackground::limit_row(int y, float* column_most_w, float* limit_w) co
   for (int x = 0; x < width; x += kLanes) {
     const FloatLanes z = 1 / most_within(column_most_w, x, width, radius);
     const FloatLanes sigma = noise.floor_m + z * (noise.linear + z * noise.quadratic_per_m);
-    const FloatLanes spread = twice_each(load<FloatLanes>(spread_m + x / kSpreadStep),
-                                         std::make_index_sequence<kLanes>{});
+    const FloatLanes spread =
+        twice_each(spread_m + x / kSpreadStep, std::make_index_sequence<kLanes>{});
     const FloatLanes threshold =
         max(FloatLanes{} + least_m, noise_factor * sqrt(spread * spread + sigma * sigma));
     const IntLanes known = (load<FloatLanes>(w + x) > 0) & (threshold < z);
