@@ -72,7 +72,8 @@ TEST_F(Desk, TurnScaleAndHiding) {
   page::SetObject set;
   set.name = "crate", set.turn_rad = 1.0, set.scale = 0.5, set.hidden = true;
   ASSERT_TRUE(desk_->apply(set, nullptr));
-  const scene::Object& object = written().objects[0];
+  const scene::Scene scene = written();
+  const scene::Object& object = scene.objects[0];
   const Eigen::Vector3d x = object.world_from_object.rotation * Eigen::Vector3d::UnitX();
   EXPECT_NEAR(std::atan2(x.y(), x.x()), 1.0, 1e-6);
   EXPECT_EQ(object.scale, 0.5);
