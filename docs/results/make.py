@@ -79,13 +79,12 @@ def main():
     parser.add_argument("--mixrig", default=ROOT / "build/release/host/tools/mixrig")
     parser.add_argument("--cache", default=ROOT / "out/figures")
     parser.add_argument("--out", default=ROOT / "docs/results", type=Path)
-    parser.add_argument("--seeds", type=int, help="only the first N of the list")
+    parser.add_argument("--seeds", type=int, help="how many: of the list all by default, of --tag 2")
     parser.add_argument("--tuned", action="store_true",
                         help="the seeds that may be tuned on; give another --out")
     parser.add_argument("--takes", action="store_true",
                         help="only renders the takes, so that the runs can be timed on an idle machine")
     parser.add_argument("--tag", help="version whose judged seeds are drawn, in place of the list")
-    parser.add_argument("--size", type=int, default=2, help="how many seeds --tag draws")
     parser.add_argument("--dry", action="store_true", help="only prints the seeds")
     arguments = parser.parse_args()
     if arguments.tag and arguments.tuned:
@@ -94,7 +93,7 @@ def main():
         sys.exit("make.py: the page shows judged seeds: give --tuned another --out")
     chosen = seeds("kTunedFigures" if arguments.tuned else "kFigures")[:arguments.seeds]
     if arguments.tag:
-        chosen = drawn_seeds(arguments.tag, arguments.size)[:arguments.seeds]
+        chosen = drawn_seeds(arguments.tag, arguments.seeds or 2)
     calibrated = chosen[:1] if arguments.tuned or arguments.tag else seeds("kCalibratedFigures")
     if arguments.dry:
         print(*chosen)
@@ -106,7 +105,8 @@ def main():
     arguments.out.mkdir(parents=True, exist_ok=True)
     pictures = worst_pictures(shop, runs, arguments.out)
     command = " ".join(["docs/results/make.py"] + (["--tuned"] if arguments.tuned else []) +
-                       ([f"--tag {arguments.tag} --size {arguments.size}"] if arguments.tag else []))
+                       ([f"--tag {arguments.tag}"] if arguments.tag else []) +
+                       ([f"--seeds {arguments.seeds}"] if arguments.seeds else []))
     page = Page(runs, chosen, calibrated, pictures,
                 f"{machine()}, cpu back end; commit {commit()}; up to {shop.load():.0f} "
                 f"processes running beside; made by `{command}`")

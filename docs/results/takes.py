@@ -33,11 +33,11 @@ def spent_seeds():
             for seed in range(int(first), int(last) + 1)}
 
 
-def drawn_seeds(tag, size):
+def drawn_seeds(tag, count):
     """Judged seeds of a version, by a rule that nobody can choose by: SHA-256 of "TAG N" for N = 0,
     1, ..., its first 32 bits modulo a million, above 1000; spent seeds and repeats are left out."""
     spent, drawn, number = spent_seeds(), [], 0
-    while len(drawn) < size:
+    while len(drawn) < count:
         word = hashlib.sha256(f"{tag} {number}".encode()).hexdigest()[:8]
         seed = 1001 + int(word, 16) % 1_000_000
         if seed not in spent and seed not in drawn:

@@ -45,11 +45,12 @@ std::string binary_kind(std::string_view first_bytes) {
   };
   constexpr std::string_view kRecording = "make a take of a recording by mixrig import";
   constexpr std::string_view kOther = "give the right file";
-  constexpr std::array<Begin, 5> kBegins{{{"\x1A\x45\xDF\xA3", "a Matroska file", kRecording},
-                                          {"#ROSBAG", "a ROS bag", kRecording},
-                                          {"NI10", "an .oni recording", kRecording},
-                                          {"\x89PNG", "a PNG picture", kOther},
-                                          {"\xFF\xD8\xFF", "a JPEG picture", kOther}}};
+  constexpr std::array<Begin, 5> kBegins{
+      {{"\x1A\x45\xDF\xA3", "a Matroska file", kRecording},
+       {"#ROSBAG", "a ROS bag", kRecording},
+       {"NI10", "an .oni recording", "name it as openni2:FILE in rig.toml and record it"},
+       {"\x89PNG", "a PNG picture", kOther},
+       {"\xFF\xD8\xFF", "a JPEG picture", kOther}}};
   for (const Begin& begin : kBegins)
     if (first_bytes.starts_with(begin.bytes))
       return std::string(begin.is) + ": " + std::string(begin.advice);

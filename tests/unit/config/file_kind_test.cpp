@@ -32,6 +32,8 @@ TEST(FileKind, ABinaryFileIsKnownByItsFirstBytes) {
             "a Matroska file: make a take of a recording by mixrig import");
   EXPECT_EQ(binary_kind("#ROSBAG V2.0\n"),
             "a ROS bag: make a take of a recording by mixrig import");
+  EXPECT_EQ(binary_kind("NI10\x01"),
+            "an .oni recording: name it as openni2:FILE in rig.toml and record it");
   EXPECT_EQ(binary_kind("\x89PNG\r\n"), "a PNG picture: give the right file");
   for (const char* const text : {"", "#ROS", "[camera]\n", "glTF", "NI = 1\n"})
     EXPECT_EQ(binary_kind(text), "") << text;

@@ -18,10 +18,12 @@ using Eigen::Vector3d;
 using geometry::Pose;
 
 constexpr Size kRegistered{300, 150};
+
 /// Boxes by their corners, in the axes of the world: the room from inside, things from outside.
 struct Block {
   Vector3d low_m, high_m;
 };
+
 /// Distance to the box; 0 where it is not met. `inside`: its far side.
 double hit_m(const Block& box, bool inside, const Vector3d& from, const Vector3d& ray) {
   double enter = -1e9, leave = 1e9;
@@ -30,7 +32,8 @@ double hit_m(const Block& box, bool inside, const Vector3d& from, const Vector3d
     const double p = (box.low_m[k] - from[k]) * inverse, q = (box.high_m[k] - from[k]) * inverse;
     enter = std::max(enter, std::min(p, q)), leave = std::min(leave, std::max(p, q));
   }
-  return inside ? leave : enter < leave && enter > 0 ? enter : 0;
+  if (inside) return leave;
+  return enter < leave && enter > 0 ? enter : 0;
 }
 
 struct BlockWorld {

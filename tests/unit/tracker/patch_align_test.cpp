@@ -107,6 +107,15 @@ TEST(PatchAlign, CovarianceSaysHowFarItIsOff) {
   EXPECT_LT(sum / kPictures, 12);
 }
 
+/// Squared error of a fit over its covariance, of six degrees of freedom (NEES).
+double squared_error(const PatchFit& fit, const Pose& truth) {
+  const Pose error = fit.camera_from_room * truth;
+  const Eigen::AngleAxisd turn(error.rotation);
+  Eigen::Matrix<double, 6, 1> e;
+  e << turn.angle() * turn.axis(), error.translation_m;
+  return e.dot(fit.covariance.inverse() * e);
+}
+
 TEST(PatchAlign, CovarianceHoldsWhatPartsOfTheRoomHaveInCommon) {
   const TexturedBox box;
   Crew crew(2);
@@ -125,11 +134,7 @@ TEST(PatchAlign, CovarianceHoldsWhatPartsOfTheRoomHaveInCommon) {
       const PatchFit fit = align.align(pyramid, geometry::inverse(truth));
       (room == 0 ? exact_mm : sigma_mm) += 1e3 * fit.sigma_m() / kPlaces / (room == 0 ? 1 : kRooms);
       if (room == 0) continue;
-      const Pose error = fit.camera_from_room * truth;
-      const Eigen::AngleAxisd turn(error.rotation);
-      Eigen::Matrix<double, 6, 1> e;
-      e << turn.angle() * turn.axis(), error.translation_m;
-      nees += e.dot(fit.covariance.inverse() * e) / (kRooms * kPlaces);
+      nees += squared_error(fit, truth) / (kRooms * kPlaces);
     }
   }
   EXPECT_GT(sigma_mm, 1.5 * exact_mm);
@@ -153,11 +158,7 @@ double mean_nees(double wrong_rad) {
       GreyPyramid pyramid;
       pyramid.build(box.picture(truth, 2, 100 * room + i + 1), 6, crew);
       const PatchFit fit = align.align(pyramid, geometry::inverse(truth));
-      const Pose error = fit.camera_from_room * truth;
-      const Eigen::AngleAxisd turn(error.rotation);
-      Eigen::Matrix<double, 6, 1> e;
-      e << turn.angle() * turn.axis(), error.translation_m;
-      nees += e.dot(fit.covariance.inverse() * e) / (6 * kBoxes * kPlaces);
+      nees += squared_error(fit, truth) / (6 * kBoxes * kPlaces);
     }
   }
   return nees;
