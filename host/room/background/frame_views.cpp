@@ -41,14 +41,13 @@ WideFrame::WideFrame(const render::CompositorSetup& setup, const WideView& wide,
 }
 
 void WideFrame::draw(const geometry::Pinhole& view, const geometry::Pose& world_from_view,
-                     const render::FrameOutput& seen) {
-  Image<Rgbx8> color(seen.color.size());
+                     const Image<Rgb8>& seen, ImageView<const float> depth_m) {
+  Image<Rgbx8> color(seen.size());
   for (int y = 0; y < color.height(); ++y)
-    std::transform(seen.color.row(y), seen.color.row(y) + color.width(), color.row(y),
-                   [](const Rgb8& p) {
-                     return Rgbx8{p.r, p.g, p.b, 0};
-                   });
-  setup_.background_models = {{view, {world_from_view}, seen.warped_depth_m, {}, color}};
+    std::transform(seen.row(y), seen.row(y) + color.width(), color.row(y), [](const Rgb8& p) {
+      return Rgbx8{p.r, p.g, p.b, 0};
+    });
+  setup_.background_models = {{view, {world_from_view}, depth_m, {}, color}};
   render::cpu::MovingBackground drawn(crew_, setup_, render::cpu::DrawnFor::kPictures);
   setup_.background_models.clear();
   color = {};  // `drawn` has read it

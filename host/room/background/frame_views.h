@@ -31,9 +31,9 @@ class WideFrame {
  public:
   /// `crew` must outlive this object.
   WideFrame(const render::CompositorSetup& setup, const WideView& wide, Crew& crew);
-  /// Draws what the camera saw at a pose into `wide`. `seen`: colour and warped depth in `view`.
+  /// Draws what the camera saw at a pose into `wide`. `seen`, `depth_m`: in `view`.
   void draw(const geometry::Pinhole& view, const geometry::Pose& world_from_view,
-            const render::FrameOutput& seen);
+            const Image<Rgb8>& seen, ImageView<const float> depth_m);
   const Image<float>& depth_m() const { return depth_m_; }  ///< 0 also where the colour is unknown
   const Image<Rgb8>& color() const { return color_; }
 

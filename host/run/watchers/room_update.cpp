@@ -173,7 +173,8 @@ Result<void> learn_changes(const model::RoomWatch& watch, std::span<const SeenFr
   for (const SeenFrame& frame : frames) {
     MIXRIG_ASSIGN(const render::FrameOutput* const seen, views.of(*frame.capture));
     for (Crop& crop : crops) {
-      crop.drawn->draw(background.setup.view, frame.world_from_target, *seen);
+      crop.drawn->draw(background.setup.view, frame.world_from_target, seen->color,
+                       seen->warped_depth_m);
       MIXRIG_TRY(crop.builder->add(crop.drawn->depth_m(), crop.drawn->color()));
     }
   }
