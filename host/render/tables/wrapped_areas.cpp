@@ -25,8 +25,6 @@ constexpr double kLeastOfPicture = 0.002, kMostOfPicture = 0.5;
 constexpr double kLeastBehind = 0.8;  ///< share of the border that has something behind it
 /// Least noise over squared depth of a wrapped area, relative to the picture's median.
 constexpr float kWrappedNoise = 5;
-/// Least share of the places around a hole that lie on one plane.
-constexpr double kLeastFlat = 0.6;
 /// The picture's width over this is the widest strip without depth that is looked across.
 constexpr int kStripOfWidth = 64;
 constexpr int kFits = 4;
@@ -81,28 +79,24 @@ class Areas {
       }
   }
 
-  void replace_wrapped(Image<float>& out) {
+  Image<float> depth_without() {
     median_noise_ = find_median_noise();
+    Image<float> out(size_);
+    for (int y = 0; y < size_.height; ++y) std::copy_n(depth_m_.row(y), size_.width, out.row(y));
     for (const int root : roots())
-      if (is_known(root))
-        if (const auto plane = plane_of_wrapped(root)) fill(root, *plane, out);
-  }
-  void fill_holes(Image<float>& out) {
-    for (const int root : roots())
-      if (!is_known(root))
-        if (const auto plane = plane_of_hole(root)) fill(root, *plane, out);
+      if (const auto plane = plane_of_wrapped(root)) fill(root, *plane, out);
+    return out;
   }
 
  private:
-  /// Whether the square of four pixels from (x, y) on shows one surface, or nothing. Areas are
-  /// joined by such squares, so that single pixels between two depths connect nothing.
+  /// Whether the square of four pixels from (x, y) on shows one surface. Areas are joined by such
+  /// squares, so that single pixels between two depths connect nothing.
   bool is_one(int x, int y) const {
     const auto [low, high] = std::minmax({z(x, y), z(x + 1, y), z(x, y + 1), z(x + 1, y + 1)});
-    return high - low <= kJoinedPart * low;
+    return low > 0 && high - low <= kJoinedPart * low;
   }
   float z(int x, int y) const { return depth_m_.row(y)[x]; }
   float noise(int x, int y) const { return sigma_m_.row(y)[x] / (z(x, y) * z(x, y)); }
-  bool is_known(int i) const { return z(i % size_.width, i / size_.width) > 0; }
   int at(int x, int y) const { return y * size_.width + x; }
   int root_of(int i) {
     int* parent = parent_.data();
@@ -125,37 +119,21 @@ class Areas {
         roots.push_back(static_cast<int>(i));
     return roots;
   }
-  /// The border of an area that something lies behind all around; else nullopt.
-  std::optional<AreaEdge> edge_of(int root) {
+  /// The plane behind an area, if the area is wrapped.
+  std::optional<Eigen::Vector3d> plane_of_wrapped(int root) {
     AreaEdge edge;
     for (int y = 0; y < size_.height; ++y)
       for (int x = 0; x < size_.width; ++x) {
-        if (root_of(at(x, y)) != root) continue;
-        if (z(x, y) > 0) edge.noise.push_back(noise(x, y));
+        if (!(z(x, y) > 0) || root_of(at(x, y)) != root) continue;
+        edge.noise.push_back(noise(x, y));
         look(x, y, 1, 0, root, edge), look(x, y, -1, 0, root, edge);
         look(x, y, 0, 1, root, edge), look(x, y, 0, -1, root, edge);
       }
     if (edge.leaves_view || static_cast<double>(edge.behind.size()) < kLeastBehind * edge.pixels)
       return std::nullopt;
-    return edge;
-  }
-  /// The plane behind an area, if the area is wrapped.
-  std::optional<Eigen::Vector3d> plane_of_wrapped(int root) {
-    auto edge = edge_of(root);
-    if (!edge || upper_median_in_place(std::span(edge->noise)) < kWrappedNoise * median_noise_)
+    if (upper_median_in_place(std::span(edge.noise)) < kWrappedNoise * median_noise_)
       return std::nullopt;
-    return plane_behind(edge->behind);
-  }
-  /// The plane around a hole, if it lies in one.
-  std::optional<Eigen::Vector3d> plane_of_hole(int root) {
-    const auto edge = edge_of(root);
-    if (!edge) return std::nullopt;
-    const Eigen::Vector3d plane = plane_behind(edge->behind);
-    const auto on = std::count_if(edge->behind.begin(), edge->behind.end(), [&](const Behind& b) {
-      return std::abs(Eigen::Vector3d(1, b.x_px, b.y_px).dot(plane) - b.w) <= kJoinedPart * b.w;
-    });
-    const double least = kLeastFlat * static_cast<double>(edge->behind.size());
-    return static_cast<double>(on) >= least ? std::optional(plane) : std::nullopt;
+    return plane_behind(edge.behind);
   }
   /// Returns the median noise of all known pixels.
   float find_median_noise() const {
@@ -198,23 +176,12 @@ class Areas {
   float median_noise_ = 0;
 };
 
-Image<float> copy_of(ImageView<const float> depth_m) {
-  Image<float> out(depth_m.size);
-  for (int y = 0; y < out.height(); ++y) std::copy_n(depth_m.row(y), out.width(), out.row(y));
-  return out;
-}
-
 }  // namespace
 
 Image<float> without_wrapped(ImageView<const float> depth_m, ImageView<const float> sigma_m) {
-  Image<float> out = copy_of(depth_m);
-  if (!sigma_m.empty()) Areas(depth_m, sigma_m).replace_wrapped(out);
-  return out;
-}
-
-Image<float> with_flat_holes(ImageView<const float> depth_m) {
-  Image<float> out = copy_of(depth_m);
-  Areas(depth_m, {}).fill_holes(out);
+  if (!sigma_m.empty()) return Areas(depth_m, sigma_m).depth_without();
+  Image<float> out(depth_m.size);
+  for (int y = 0; y < out.height(); ++y) std::copy_n(depth_m.row(y), out.width(), out.row(y));
   return out;
 }
 

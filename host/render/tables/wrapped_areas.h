@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds mirrors in depth: areas that have none, or whose depth has wrapped around and hangs in the
-// air.
+// Finds mirrors in learned depth: areas whose depth has wrapped around and hangs in the air.
 #pragma once
 
 #include "hal/base/image.h"
@@ -15,10 +14,5 @@ namespace mixrig::render {
 /// median; real things in a room are hardly noisier than the room. `sigma_m`: sigma of one
 /// measurement, of the same size; if empty, nothing is replaced. Pure; some 40 ns a pixel.
 Image<float> without_wrapped(ImageView<const float> depth_m, ImageView<const float> sigma_m);
-
-/// Copies a depth (metres, 0 unknown) and fills unknown areas of 0.2 to 50 % of the picture, inside
-/// it, by the plane around them: mirrors, glass and black things in a wall return no light. Three
-/// fifths of the places around must lie within 6 % of that plane. Pure; some 40 ns a pixel.
-Image<float> with_flat_holes(ImageView<const float> depth_m);
 
 }  // namespace mixrig::render

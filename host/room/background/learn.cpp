@@ -9,7 +9,7 @@
 #include "hal/base/log.h"
 #include "hal/base/order_statistics.h"
 #include "host/capture/capture/capture_reader.h"
-#include "host/render/tables/wrapped_areas.h"
+#include "host/room/background/flat_holes.h"
 #include "host/room/background/frame_lens.h"
 #include "host/room/background/frame_views.h"
 
@@ -128,7 +128,7 @@ Result<model::StaticBackground> learn_moving(capture::CaptureSource& source,
       if (!view) continue;
       MIXRIG_ASSIGN(const render::FrameOutput* const seen, views.of(*capture));
       drawn.draw(view->camera, view->world_from_camera, seen->color,
-                 render::with_flat_holes(seen->warped_depth_m));
+                 model::with_flat_holes(seen->warped_depth_m, view->camera));
       MIXRIG_TRY(builder.add(drawn.depth_m(), drawn.color()));
       if (progress) progress("background, as the camera moves", frames.done(), frames.total());
     }

@@ -89,16 +89,32 @@ class CarriedSource final : public capture::CaptureSource {
     frame.plate = test::render_plate(scene_, camera, static_cast<std::uint32_t>(number));
     Image<std::uint8_t> person;
     test::render_truth(scene_, camera, frame.depth_m, person);
+    if (mirror_) remove_mirror(x_m(number), frame.depth_m);
     frame.world_from_target = turned(0, x_m(number));
     frame.pose_origin = capture::PoseOrigin::kRecorded;
     return true;
   }
   Result<void> read_truth(int, capture::Truth&) override { return {}; }
   void make_endless() { info_.frames = capture::kEndless; }
+  void hang_mirror() { mirror_ = true; }
+  /// Whether a place of the back wall is the mirror, which returns no light.
+  static bool is_mirror(const Eigen::Vector3d& at_m) {
+    return std::abs(at_m.z() - test::AnalyticScene().back_z_m) < 1e-3 &&
+           std::abs(at_m.x() - kMirrorX_m) < kMirrorHalf_m && std::abs(at_m.y()) < kMirrorHalf_m;
+  }
   const test::AnalyticScene& scene() const { return scene_; }
 
  private:
+  static constexpr double kMirrorX_m = 0.3, kMirrorHalf_m = 0.4;
+  static void remove_mirror(double x_m, Image<float>& depth_m) {
+    for (const auto [x, y] : test::each_pixel({0, 0}, {depth_m.width(), depth_m.height()})) {
+      const Eigen::Vector2d ray = kLearnView.unproject({x, y});
+      float& z_m = depth_m.at(x, y);
+      if (is_mirror({x_m + z_m * ray.x(), z_m * ray.y(), z_m})) z_m = 0;
+    }
+  }
   test::AnalyticScene scene_;
+  bool mirror_ = false;
   capture::SourceInfo info_;
 };
 
@@ -130,6 +146,34 @@ TEST(LearnMoving, TheRoomIsWhereItIsAndWiderThanAFrame) {
   EXPECT_GT(known, 0.8 * all) << "the outermost columns are seen by fewer than three frames";
   EXPECT_GT(right, 0.95 * known);
   EXPECT_EQ(colored, known) << "a colour is known where the depth is";
+}
+
+TEST(LearnMoving, AMirrorIsTheWallThatItHangsOn) {
+  CarriedSource source;
+  source.hang_mirror();
+  const auto setup = setup_of(source.info(), std::nullopt);
+  ASSERT_TRUE(setup);
+  const auto poses = pose::make_own_poses(true, true);
+  const auto learned = learn_background(source, *setup, {1, CarriedSource::kFrames},
+                                        {render::Backend::kCpu, 2}, {}, poses.get());
+  ASSERT_TRUE(learned) << learned.error().context;
+  const Eigen::Isometry3d world_from_view(learned->world_from_view->matrix());
+  int mirror = 0, on_wall = 0, colored = 0;
+  for (const auto [x, y] :
+       test::each_pixel({0, 0}, {learned->view.size_px.width, learned->view.size_px.height})) {
+    const Eigen::Vector2d ray = learned->view.unproject({x, y});
+    const Eigen::Vector3d from_m = world_from_view.translation();
+    const Eigen::Vector3d direction =
+        world_from_view.rotation() * Eigen::Vector3d(ray.x(), ray.y(), 1);
+    const test::Hit hit = test::cast(source.scene(), from_m, direction);
+    if (!CarriedSource::is_mirror(from_m + hit.t * direction)) continue;
+    ++mirror;
+    on_wall += std::abs(learned->depth_m.at(x, y) - hit.t) < 0.02 * hit.t;
+    colored += learned->color.at(x, y).r >= 0;
+  }
+  EXPECT_GT(mirror, 400);
+  EXPECT_GT(on_wall, 0.98 * mirror) << "people before it are keyed by depth";
+  EXPECT_EQ(colored, mirror);
 }
 
 TEST(LearnMoving, WithoutPosesItIsAStillCamera) {
