@@ -9,6 +9,7 @@
 
 #include "hal/base/angles.h"
 #include "tests/support/box_views.h"
+#include "tests/support/each_pixel.h"
 
 namespace mixrig::model {
 namespace {
@@ -85,7 +86,7 @@ TEST(RoomFindings, AViewDroppedAtTheBorderIsNamedWhereTheFieldIsKnown) {
   EXPECT_GT(fault->value, 500);
 }
 
-TEST(RoomFindings, GlassStaysUnknownAndIsNamed) {
+TEST(RoomFindings, GlassIsTheWallAroundItAndIsNamed) {
   auto views = sound_box();
   for (ScanView& view : views)
     for (int y = 0; y < test::kBoxRows; ++y)
@@ -101,6 +102,19 @@ TEST(RoomFindings, GlassStaysUnknownAndIsNamed) {
   ASSERT_NE(fault, nullptr);
   EXPECT_NEAR(fault->azimuth_deg, -90, 6);
   EXPECT_GT(fault->value, 300);
+  Crew crew(2);
+  const Panorama p = make_panorama(views, test::box_camera(), test::box_camera(), {360}, crew);
+  int glass = 0;
+  for (const auto [x, y] : test::each_pixel({0, 0}, {p.size().width, p.size().height})) {
+    const Eigen::Vector3d ray = direction_of(p.size(), x, y);
+    const Eigen::Vector3d at = ray / std::abs(ray.x());
+    if (ray.x() <= 0 || std::abs(at.y()) > 0.36 || std::abs(at.z()) > 0.36) continue;
+    EXPECT_NEAR(p.distance_m.at(x, y), test::to_wall_m({0, 0, 0}, ray), 0.01);
+    EXPECT_GT(p.sigma_m.at(x, y), 0);
+    EXPECT_EQ(p.views.at(x, y), 0);
+    ++glass;
+  }
+  EXPECT_GT(glass, 1000);
 }
 
 TEST(RoomFindings, AMirrorShowsRoomBehindAWall) {

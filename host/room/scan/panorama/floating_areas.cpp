@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "hal/base/angles.h"
 #include "hal/base/order_statistics.h"
@@ -44,6 +45,20 @@ float noise_of_plane_at(const Panorama& p, const std::array<int, 2>& border,
   return 0;
 }
 
+/// Median noise_at() of the plane around an area; nullopt where less than kLeastOnPlane of the
+/// border lies on it.
+template <typename OffPlane>
+std::optional<float> noise_of_plane_around(const Panorama& p, const SphereArea& area,
+                                           const OffPlane& off_m) {
+  std::vector<float> of_plane;
+  for (const auto& px : area.border)
+    if (const float noise = noise_of_plane_at(p, px, off_m); noise > 0) of_plane.push_back(noise);
+  if (static_cast<double>(of_plane.size()) <
+      kLeastOnPlane * static_cast<double>(area.border.size()))
+    return std::nullopt;
+  return upper_median_in_place(std::span(of_plane));
+}
+
 }  // namespace
 
 std::vector<FloatingArea> floating_areas(const Panorama& p, std::span<const RoomPlane> planes) {
@@ -58,16 +73,11 @@ std::vector<FloatingArea> floating_areas(const Panorama& p, std::span<const Room
     for (SphereArea& area :
          areas_of(p.size(), directions, Eigen::Vector3d::Zero(), is_before, is_joined)) {
       if (area.solid_angle_sr < kLeastFloating_sr) continue;
-      std::vector<float> of_plane, own;
-      for (const auto& px : area.border)
-        if (const float noise = noise_of_plane_at(p, px, off_m); noise > 0)
-          of_plane.push_back(noise);
-      if (static_cast<double>(of_plane.size()) <
-          kLeastOnPlane * static_cast<double>(area.border.size()))
-        continue;
+      const std::optional<float> of_plane = noise_of_plane_around(p, area, off_m);
+      if (!of_plane) continue;
+      std::vector<float> own;
       for (const auto& [x, y] : area.pixels) own.push_back(noise_at(p, x, y));
-      const double noise =
-          upper_median_in_place(std::span(own)) / upper_median_in_place(std::span(of_plane));
+      const double noise = upper_median_in_place(std::span(own)) / *of_plane;
       floating.push_back({area.direction, area.solid_angle_sr, noise, std::move(area.pixels)});
     }
   }
@@ -80,6 +90,27 @@ void forget_wrapped(Panorama& p) {
     p.wrapped.push_back({area.direction, area.solid_angle_sr});
     for (const auto& [x, y] : area.pixels)
       p.distance_m.row(y)[x] = p.sigma_m.row(y)[x] = 0, p.views.row(y)[x] = 0;
+  }
+}
+
+void fill_flat_holes(Panorama& p) {
+  const Directions directions(p.size());
+  for (const RoomPlane& plane : p.planes) {
+    const auto off_m = [&](int x, int y) { return behind_m(p, directions, plane, x, y); };
+    const auto is_hole = [&](int x, int y) {
+      return p.views.row(y)[x] == 0 && p.field.row(y)[x] != 0;
+    };
+    for (const SphereArea& hole :
+         areas_of(p.size(), directions, Eigen::Vector3d::Zero(), is_hole)) {
+      const std::optional<float> noise = noise_of_plane_around(p, hole, off_m);
+      if (!noise) continue;
+      p.flat_holes.push_back({hole.direction, hole.solid_angle_sr});
+      for (const auto& [x, y] : hole.pixels) {
+        const auto distance_m = static_cast<float>(plane.distance_m(directions(x, y)));
+        p.distance_m.row(y)[x] = distance_m;
+        p.sigma_m.row(y)[x] = *noise * distance_m * distance_m;
+      }
+    }
   }
 }
 

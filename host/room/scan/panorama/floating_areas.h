@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds areas that float before a wall: hanging things, or the depth of a mirror. Private to this
-// module.
+// Finds areas that float before a wall, hanging things or the depth of a mirror, and holes in
+// walls. Private to this module.
 #pragma once
 
 #include <array>
@@ -28,5 +28,10 @@ std::vector<FloatingArea> floating_areas(const Panorama& panorama,
 /// does not fit their distance, which has wrapped around behind a mirror. Adds their directions to
 /// Panorama::wrapped.
 void forget_wrapped(Panorama& panorama);
+
+/// Fills what no view measured by the plane that seven tenths of its border lie on: mirrors, glass
+/// and black things in a wall return no light, and people before them are keyed by the wall's
+/// depth. Panorama::views stays 0 there. Adds them to Panorama::flat_holes.
+void fill_flat_holes(Panorama& panorama);
 
 }  // namespace mixrig::model

@@ -270,7 +270,7 @@ Panorama make_panorama(std::span<const ScanView> views, const geometry::CameraMo
   before = panorama;
   for (int pass = 0; pass < kFillPasses && fill_border(panorama, before); ++pass) before = panorama;
   crew.rows(height, 4, [&](int begin, int end) { trim_field(fusion, panorama, begin, end); });
-  if (options.straighten) forget_wrapped(panorama);
+  if (options.straighten) forget_wrapped(panorama), fill_flat_holes(panorama);
   panorama.known_share =
       share_of_field(panorama, [&](int x, int y) { return panorama.distance_m.row(y)[x] > 0; });
   panorama.measured_share =

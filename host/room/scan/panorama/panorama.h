@@ -109,7 +109,8 @@ struct Panorama {
   double measured_share = 0;              ///< of the field's solid angle, before holes are filled
   double known_share = 0;                 ///< share after holes are filled
   std::vector<RoomPlane> planes{};        ///< planes it was straightened to, the largest first
-  std::vector<RoomArea> wrapped{};        ///< areas made unknown: wrapped depth of mirrors
+  std::vector<RoomArea> wrapped{};        ///< wrapped depth of mirrors, which was left out
+  std::vector<RoomArea> flat_holes{};     ///< holes in a wall, which got its depth
   ViewGains gains{};                      ///< gains of its colour
 
   Size size() const { return distance_m.size(); }

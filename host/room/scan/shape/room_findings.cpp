@@ -133,10 +133,13 @@ void find_without_depth(const Panorama& p, const Directions& directions,
   const auto unknown = [&](int x, int y) {
     return p.field.row(y)[x] != 0 && p.distance_m.row(y)[x] <= 0;
   };
+  std::vector<RoomArea> holes = p.flat_holes;
   for (const SphereArea& area : areas_of(p.size(), directions, Vector3d::Zero(), unknown))
-    if (area.solid_angle_sr > kLeastArea_sr)
+    holes.push_back({area.direction, area.solid_angle_sr});
+  for (const RoomArea& hole : holes)
+    if (hole.solid_angle_sr > kLeastArea_sr)
       out.push_back(
-          at(FindingKind::kWithoutDepth, 0, area.direction, kSquareDegrees * area.solid_angle_sr));
+          at(FindingKind::kWithoutDepth, 0, hole.direction, kSquareDegrees * hole.solid_angle_sr));
 }
 
 /// Surfaces behind a plane, most of whose border lies on that plane.
@@ -186,7 +189,8 @@ constexpr std::array<Words, 10> kWords{{
     {FindingKind::kEmptyView, "empty_view", "only {:.0f} % of its pixels have a depth"},
     {FindingKind::kUnseen, "unseen", "{:.0f} square degrees that no view shows: unknown"},
     {FindingKind::kWithoutDepth, "without_depth",
-     "{:.0f} square degrees without depth (glass, black or too far): unknown"},
+     "{:.0f} square degrees without depth (glass, black or too far): unknown, or the wall around "
+     "it"},
     {FindingKind::kBehindWall, "behind_wall",
      "{:.0f} square degrees lie behind the wall around them: a mirror, a window or an opening"},
     {FindingKind::kBeforeWall, "before_wall",
