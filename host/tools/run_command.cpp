@@ -164,7 +164,8 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   MIXRIG_TRY(open_view(arguments, *session, clock, shown, parts));
   if (auto service = make_service_sink(clock)) parts.sinks.push_back(std::move(service));
   MIXRIG_ASSIGN(const session::RunReport report,
-                session::run(*session, options, clock, progress_bar(), std::move(parts)));
+                session::run(*session, options, clock,
+                             progress_bar(session->source->info().is_live()), std::move(parts)));
   std::fputs(session::to_table(report).c_str(), stdout);
   nlohmann::json json = session::to_json(report);
   if (!arguments.view.empty()) json["viewfinder"] = to_json(shown);
