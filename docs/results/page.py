@@ -3,6 +3,7 @@
 import textwrap
 from statistics import mean
 
+from inputs import caption
 from svg import Series, plot
 from takes import (BOARD_VIEWS, FRAMES, FULL_FRAMES, FULL_SIZE, MOVING, RIGS, ROOT, SIZE, STILL)
 
@@ -91,8 +92,7 @@ def cell(value, digits):
 
 def wrapped(words, indent=""):
     """Lines of at most 120 characters."""
-    return textwrap.fill(words, 120, subsequent_indent=indent, break_long_words=False,
-                         break_on_hyphens=False) + "\n"
+    return textwrap.fill(words, 120, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False) + "\n"
 
 
 def table(header, rows):
@@ -137,10 +137,14 @@ class Page:
     def measure(self, kind, scenario, rigs, path):
         return average(get(r, path) for r in self.of(kind, [scenario], rigs))
 
+    def inputs(self, *kinds):
+        """What the runs of these kinds knew: "true: poses, ...; wrong: lamps"."""
+        return caption([r for kind in kinds for r in self.of(kind, SCENARIOS, RIGS)])
+
     def conditions(self):
         return wrapped(
-            f"*Unless stated: seeds {', '.join(map(str, self.chosen))}, judged look, true "
-            f"calibration, lamps and poses, {SIZE}, {FRAMES[STILL[0]] // 2} judged frames (moving "
+            f"*Unless stated: seeds {', '.join(map(str, self.chosen))}, judged look, "
+            f"{self.inputs('true', 'plain', 'full')}; {SIZE}, {FRAMES[STILL[0]] // 2} judged frames (moving "
             f"camera: {FRAMES[MOVING[0]] // 2}) of each take after as many empty ones; "
             f"{self.machine}. `mixrig studio TAKE --scenario S --rig R --seed N --frames "
             f"{FRAMES[STILL[0]]} --size {SIZE}` (moving: {FRAMES[MOVING[0]]}), `mixrig run "
@@ -180,7 +184,7 @@ class Page:
         return wrapped(
             f"*Seed {', '.join(map(str, self.calibrated))}, `--tolerance 1`; `mixrig studio BOARDS "
             f"--scenario board --views {BOARD_VIEWS} --tolerance 1 --size {SIZE}`, `mixrig "
-            "calibrate rig BOARDS`.*") + "\n" + self.condition_table(["known", "estimated"], paths)
+            f"calibrate rig BOARDS`. First: {self.inputs('known')}. Second: {self.inputs('estimated')}.*") + "\n" + self.condition_table(["known", "estimated"], paths)
 
     def look_section(self):
         paths = [("key_iou", 3, "error.key_iou"),
@@ -197,7 +201,7 @@ class Page:
                  ("object", 3, "error.object_rmse"),
                  ("hard pixels, PSNR, dB", 1, "error.contested.color_psnr_db"),
                  ("PSNR, dB", 1, "error.color_psnr_db")]
-        return self.condition_table(["true", "off"], paths, RIGS[:1])
+        return wrapped(f"*Second: {self.inputs('off')}.*") + "\n" + self.condition_table(["true", "off"], paths, RIGS[:1])
 
     def speed_section(self):
         rows = []
@@ -211,9 +215,8 @@ class Page:
                               (3, "error.light_shadow_rmse"), (3, "error.object_rmse"),
                               (1, "error.contested.color_psnr_db"))])
         return wrapped(f"*{FULL_SIZE}, seed {self.chosen[0]}, {FULL_FRAMES // 2} judged frames.*") + "\n" + table(
-            ["take", "depth camera", "frames a second", "frame p50 / p95, ms", "memory, MB",
-             "key_iou", "hard pixels, key_iou", "order wrong, %", "shadow", "object",
-             "hard pixels, PSNR, dB"], rows) + "\n"
+            ["take", "depth camera", "frames a second", "frame p50 / p95, ms", "memory, MB", "key_iou",
+             "hard pixels, key_iou", "order wrong, %", "shadow", "object", "hard pixels, PSNR, dB"], rows) + "\n"
 
     def broken_bounds(self):
         lines = []

@@ -8,6 +8,8 @@ import re
 import subprocess
 from pathlib import Path
 
+from inputs import inputs_of
+
 ROOT = Path(__file__).resolve().parents[2]
 STILL = ["still", "walk", "talk", "edges", "far", "dark"]
 MOVING = ["pan", "handheld", "pendulum"]
@@ -99,20 +101,20 @@ class Workshop:
         return out
 
     def run(self, take, condition="true", calibration=None, frames=None, baselines=True):
-        """The report of a run. `condition`: "true" lamps, or lamps that are "off"."""
+        """The report of a run, with `inputs`: what it knew. `condition`: "true" lamps, or lamps that are "off"."""
         if self.only_takes:
             return None
         name = "-".join([take.name, condition] + (["estimated"] if calibration else []) +
                         ([frames] if frames else []) + ([] if baselines else ["alone"]))
         report = self.runs / (name + ".json")
+        scene = take / "scene.toml" if condition == "true" else wrong_lamps(take)
         if not report.exists():
-            words = ["run", take / "scene.toml" if condition == "true" else wrong_lamps(take),
-                     "--source", f"take:{take}", "--backend", "cpu", "--format", "none",
+            words = ["run", scene, "--source", f"take:{take}", "--backend", "cpu", "--format", "none",
                      "--out", self.runs / name, "--json", report]
             words += ["--calibration", calibration] if calibration else []
             words += ["--frames", f"{frames}-{frames}"] if frames else []
             self.call(*words, *(["--baselines"] if baselines else []))
-        return json.loads(report.read_text())
+        return json.loads(report.read_text()) | {"inputs": inputs_of(take, scene, calibration)}
 
     def worst_frame(self, take, judge, condition="true"):
         """Number and picture of the frame where `judge` (of its errors) is largest."""

@@ -69,6 +69,14 @@ Result<void> write_bytes(const fs::path& file_path, const fs::path& shown, std::
   return system_error(ErrorCode::kIo, "cannot write '" + shown.string() + "'", errno);
 }
 
+/// Whether nobody may write what is there.
+bool is_write_protected(const fs::path& path) {
+  constexpr auto kWrite = fs::perms::owner_write | fs::perms::group_write | fs::perms::others_write;
+  std::error_code absent;
+  const fs::file_status status = fs::status(path, absent);
+  return fs::exists(status) && (status.permissions() & kWrite) == fs::perms::none;
+}
+
 }  // namespace
 
 fs::path partial_of(const fs::path& wanted) {
@@ -125,6 +133,11 @@ Result<void> PartialPath::commit() {
   if (is_special(wanted_) || (replaces_folder && !fs::is_directory(partial_, error)))
     return Error{ErrorCode::kUsage, "cannot write '" + wanted_.string() + "': it is a " +
                                         (replaces_folder ? "folder" : "device") + ": name a file"};
+  // Renaming asks for rights on the folder alone.
+  if (!replaces_folder && is_write_protected(wanted_))
+    return Error{ErrorCode::kIo, "'" + wanted_.string() +
+                                     "' is write-protected: permit writing (chmod u+w), or name "
+                                     "another file"};
   // A folder cannot be renamed over one that holds files, so the old one is renamed first.
   const fs::path old = with_suffix(wanted_, ".replaced");
   if (replaces_folder) {

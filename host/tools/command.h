@@ -29,6 +29,11 @@ struct Context {
 /// `next`, the command that is worth running next; either may be empty.
 nlohmann::json with_end(nlohmann::json report, const std::string& out, const std::string& next);
 
+/// What is worth doing after a calibration was written into `file`.
+std::string in_rig_toml(const std::string& file);
+/// What is worth doing after poses were written into `file`; empty where that is.
+std::string as_trajectory(const std::string& file);
+
 /// Adds every subcommand of this build and of its extras (commands.cpp).
 void add_commands(Command app, Context& context);
 

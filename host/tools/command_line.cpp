@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
+#include <sstream>
+#include <type_traits>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -13,9 +14,10 @@
 namespace mixrig::tools {
 namespace {
 
-/// CLI11 reads "nan" and "inf", and its ranges let "nan" pass.
+/// Refuses what is no number, such as one with a unit, and "nan" and "inf", which CLI11 reads.
 std::string refuse_what_is_not_finite(const std::string& text) {
-  const double value = std::strtod(text.c_str(), nullptr);  // 0 for what is no number
+  double value = 0;
+  if (!CLI::detail::lexical_cast(text, value)) return text + " is no number";
   return std::isfinite(value) ? std::string() : text + " is not a finite number";
 }
 
@@ -23,6 +25,29 @@ template <typename T>
 Option add_number(CLI::App* app, const std::string& name, T& value, const std::string& about) {
   return Option(
       app->add_option(name, value, about)->check(CLI::Validator(refuse_what_is_not_finite, "")));
+}
+
+/// Refuses what is no number of type T in the range, in the help's words for such a range.
+template <typename T>
+CLI::Validator in_range(T low, T high) {
+  const auto refuse = [low, high](const std::string& text) {
+    T value{};
+    if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high)
+      return std::string();
+    std::ostringstream line;
+    line << text << " is no " << (std::is_integral_v<T> ? "whole " : "") << "number from " << low
+         << " to " << high;
+    return line.str();
+  };
+  return {refuse, CLI::Range(low, high).get_description()};
+}
+
+/// Refuses what is no whole number, or none that T holds.
+template <typename T>
+std::string refuse_what_is_not_whole(const std::string& text) {
+  T value{};
+  return CLI::detail::lexical_cast(text, value) ? std::string()
+                                                : text + " is no whole number, or too large";
 }
 
 /// Refuses an empty text, which an unset variable of a shell gives.
@@ -33,6 +58,12 @@ std::string refuse_what_is_empty(const std::string& text) {
 template <typename T>
 Option add(CLI::App* app, const std::string& name, T& value, const std::string& about) {
   return Option(app->add_option(name, value, about));
+}
+
+template <typename T>
+Option add_whole(CLI::App* app, const std::string& name, T& value, const std::string& about) {
+  return Option(
+      app->add_option(name, value, about)->check(CLI::Validator(refuse_what_is_not_whole<T>, "")));
 }
 
 bool is_hidden(const CLI::App& app) { return app.get_group().empty(); }
@@ -138,9 +169,9 @@ std::string usage_line(const CLI::App& app, const CLI::ParseError& error) {
 }  // namespace
 
 Option Option::required() { return Option(option_->required()); }
-Option Option::range(int low, int high) { return Option(option_->check(CLI::Range(low, high))); }
+Option Option::range(int low, int high) { return Option(option_->check(in_range(low, high))); }
 Option Option::range(double low, double high) {
-  return Option(option_->check(CLI::Range(low, high)));
+  return Option(option_->check(in_range(low, high)));
 }
 Option Option::non_negative() { return Option(option_->check(CLI::NonNegativeNumber)); }
 Option Option::positive() { return Option(option_->check(CLI::PositiveNumber)); }
@@ -169,13 +200,13 @@ Option Command::add_option(const std::string& name, std::vector<std::string>& va
   return add(app_, name, values, about);
 }
 Option Command::add_option(const std::string& name, int& value, const std::string& about) {
-  return add(app_, name, value, about);
+  return add_whole(app_, name, value, about);
 }
 Option Command::add_option(const std::string& name, unsigned& value, const std::string& about) {
-  return add(app_, name, value, about);
+  return add_whole(app_, name, value, about);
 }
 Option Command::add_option(const std::string& name, std::size_t& value, const std::string& about) {
-  return add(app_, name, value, about);
+  return add_whole(app_, name, value, about);
 }
 Option Command::add_option(const std::string& name, double& value, const std::string& about) {
   return add_number(app_, name, value, about);

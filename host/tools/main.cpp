@@ -86,19 +86,14 @@ Result<void> check_json_path(const std::string& path) {
                "--json " + path + ": there is no folder " + folder.string() + ": make it first"};
 }
 
-Result<nlohmann::json> act_and_end(const Context& context) {
-  const auto start = SteadyClock::now();
-  MIXRIG_ASSIGN(nlohmann::json report, context.action());
-  print_end(report, start);
-  return report;
-}
-
 /// The report alone goes to stdout: what commands print there goes to stderr meanwhile.
 Result<void> act_for_stdout(const Context& context) {
   const int report_fd = ::dup(STDOUT_FILENO);
   if (report_fd < 0 || ::dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
     return system_error(ErrorCode::kIo, "--json -: stdout cannot be written", errno);
-  auto done = act_and_end(context);
+  const auto start = SteadyClock::now();
+  auto done = context.action();
+  if (done) print_end(*done, start);
   std::fflush(stdout);
   ::dup2(report_fd, STDOUT_FILENO), ::close(report_fd);
   if (!done) return done.error();
@@ -111,8 +106,10 @@ Result<void> act_for_stdout(const Context& context) {
 Result<void> act(const Context& context) {
   MIXRIG_TRY(check_json_path(context.json_path));
   if (context.json_path == kStdout) return act_for_stdout(context);
-  MIXRIG_ASSIGN(const nlohmann::json report, act_and_end(context));
+  const auto start = SteadyClock::now();
+  MIXRIG_ASSIGN(const nlohmann::json report, context.action());
   if (!context.json_path.empty()) MIXRIG_TRY(write_file(context.json_path, report.dump(2) + "\n"));
+  print_end(report, start);
   return context.found;
 }
 
@@ -161,6 +158,15 @@ nlohmann::json with_end(nlohmann::json report, const std::string& out, const std
   if (!out.empty()) report[kOutKey] = out;
   if (!next.empty()) report[kNextKey] = next;
   return report;
+}
+
+std::string in_rig_toml(const std::string& file) {
+  return "name it in rig.toml: calibration = \"" + file + "\"";
+}
+
+std::string as_trajectory(const std::string& file) {
+  if (file.empty()) return {};
+  return "name it in scene.toml: [camera] pose = \"recorded\", trajectory = \"" + file + "\"";
 }
 
 }  // namespace mixrig::tools

@@ -152,12 +152,14 @@ void print_notes(const scene::Scene& scene, nlohmann::json& report) {
   if (!notes.empty()) report["notes"] = notes;
 }
 
-ProgressFn progress_bar() {
+ProgressFn progress_bar(bool waits) {
   struct Bar {
     std::string what;
     std::optional<Progress> progress;
   };
-  return [bar = std::make_shared<Bar>()](std::string_view what, int done, int total) {
+  auto shared = std::make_shared<Bar>();
+  if (!waits) shared->progress.emplace(shared->what = "first step", 1);
+  return [bar = std::move(shared)](std::string_view what, int done, int total) {
     if (!bar->progress || bar->what != what) {
       bar->what = what;
       bar->progress.emplace(bar->what, total, true);

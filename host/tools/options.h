@@ -40,10 +40,12 @@ Result<session::SessionOptions> session_options(const SessionArguments& argument
 /// session::open_session().
 Result<std::unique_ptr<session::Session>> opened_session(const session::SessionOptions& options);
 
-/// Prints what a scene lacks, and that a run keyed nobody, one line each, and adds them to the report as "notes".
+/// Prints what a scene lacks, and that a run keyed nobody, one line each, and adds them to the
+/// report as "notes".
 void print_notes(const scene::Scene& scene, nlohmann::json& report);
 
-/// Makes a function that shows a progress bar on stderr for each step in turn (Progress).
-ProgressFn progress_bar();
+/// Makes a function that shows a progress bar on stderr for each step in turn (Progress). Unless
+/// `waits`, the time until the first call has one too, for a first step that takes long.
+ProgressFn progress_bar(bool waits = false);
 
 }  // namespace mixrig::tools

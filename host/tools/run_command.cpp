@@ -126,6 +126,12 @@ Result<session::RunOptions> parse_options(const RunArguments& arguments, const C
   return options;
 }
 
+/// What a run has written: its folder, else the video that it was streamed into.
+std::string written(const RunArguments& arguments) {
+  const bool is_file = arguments.stream.find("://") == std::string::npos;
+  return arguments.out.empty() && is_file ? arguments.stream : arguments.out;
+}
+
 /// What to look at after a run.
 std::string next_after(const RunArguments& arguments) {
   if (!arguments.out.empty()) return "look at " + arguments.out + "/contact_sheet.png";
@@ -158,12 +164,13 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   MIXRIG_TRY(open_view(arguments, *session, clock, shown, parts));
   if (auto service = make_service_sink(clock)) parts.sinks.push_back(std::move(service));
   MIXRIG_ASSIGN(const session::RunReport report,
-                session::run(*session, options, clock, progress_bar(), std::move(parts)));
+                session::run(*session, options, clock,
+                             progress_bar(session->source->info().is_live()), std::move(parts)));
   std::fputs(session::to_table(report).c_str(), stdout);
   nlohmann::json json = session::to_json(report);
   if (!arguments.view.empty()) json["viewfinder"] = to_json(shown);
   print_notes(session->scene, json);
-  return with_end(std::move(json), arguments.out, next_after(arguments));
+  return with_end(std::move(json), written(arguments), next_after(arguments));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "host/tools/run_page.h"
 
 #include <cstdio>
+#include <filesystem>
 
 #include "host/capture/open/played_source.h"
 #include "host/run/controls/scene_follower.h"
@@ -42,6 +43,11 @@ Result<PageRun> open_page(const PageArguments& arguments, session::Session& sess
     MIXRIG_ASSIGN(osc, page::parse_osc_listen(arguments.osc_in));
     osc->token_file = arguments.token_file;
   }
+  std::error_code code;
+  if (std::filesystem::exists(arguments.takes, code) &&
+      !std::filesystem::is_directory(arguments.takes, code))
+    return Error{ErrorCode::kUsage,
+                 "--record-to '" + arguments.takes + "' is a file: name a folder"};
   const bool live = session.source->info().is_live();
   if (!live) session.source = session::played(std::move(session.source), clock);
   parts.scene = std::make_shared<session::SceneFollower>(session, true);

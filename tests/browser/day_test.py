@@ -15,6 +15,7 @@ import tomllib
 from rig import (ActionChains, By, Keys, Rig, age_ms, browser, by_id, comes_true, field, finds_nothing_serious,
                  has_names, presses, skip_without_browser, types)
 from exposure import plays_takes, shows_exposure
+from language import speaks_german
 from picture import shows_a_live_picture
 
 SIZES = {"desktop": (1440, 900), "portrait": (390, 844), "landscape": (844, 390)}
@@ -260,8 +261,9 @@ def main():
             has_presets(page, rig)
             keeps_the_slate(page, rig)
             plays_takes(page, rig, out)
-            shows_exposure(page, rig, out)
+            shows_exposure(page, out)
             locks(page, rig)
+            speaks_german(page, rig)
             stays_in_sight(page, out)
             assert age_ms(page) is not None
             says_that_the_rig_died(page, rig, out)

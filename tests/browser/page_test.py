@@ -155,8 +155,10 @@ def shows_a_lost_device(page, mixrig, folder):
         line = comes_true("the lost depth camera", lambda: [
             one.text for one in page.find_elements(By.CSS_SELECTOR, "#streams .bad") if "depth" in one.text])
         assert "check cable" in line[0], line
+        others = [one.text for one in page.find_elements(By.CSS_SELECTOR, "#streams li:not(.bad)")]
+        assert len(others) == 1 and others[0].startswith("color: ok, "), others
         assert age_ms(page) is not None
-        print(f"a lost device: {line[0]}")
+        print(f"a lost device: {line[0]}; the other: {others[0]}")
     finally:
         rig.process.kill()
 

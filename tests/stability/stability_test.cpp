@@ -29,6 +29,14 @@ TEST(Stability, PlaneFit) { run(add_plane_fit_cases); }
 TEST(Stability, HandEye) { run(add_hand_eye_cases); }
 TEST(Stability, PanTiltChain) { run(add_pan_tilt_cases); }
 TEST(Stability, Constellation) { run(add_constellation_cases); }
+TEST(Stability, Lamps) { run(add_lamp_cases); }
+TEST(Stability, Exposures) { run(add_exposure_cases); }
+#ifdef MIXRIG_EXTRA_MAP
+TEST(Stability, PlaceOfAMap) { run(add_map_place_cases); }
+#endif
+#ifdef MIXRIG_EXTRA_PEOPLE
+TEST(Stability, People) { run(add_people_cases); }
+#endif
 
 TEST(Stability, BlobCentresAreAsGoodAsTheyClaimFromRadiusTwo) {
   std::vector<std::string> faults;

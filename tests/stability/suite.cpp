@@ -24,6 +24,14 @@ std::vector<Case> all_cases() {
   add_hand_eye_cases(cases);
   add_pan_tilt_cases(cases);
   add_constellation_cases(cases);
+  add_lamp_cases(cases);
+  add_exposure_cases(cases);
+#ifdef MIXRIG_EXTRA_MAP
+  add_map_place_cases(cases);
+#endif
+#ifdef MIXRIG_EXTRA_PEOPLE
+  add_people_cases(cases);
+#endif
   return cases;
 }
 

@@ -27,6 +27,7 @@ constexpr double kSitsDown = 0.75;        ///< share of the height that is left
 constexpr float kHeadHigh_m = 0.2F;       ///< height of a head
 constexpr double kHead_m2 = 0.012, kLeastHead_m = 0.1, kMostHead_m = 0.3;  ///< surface, width
 constexpr double kLower_m = 0.1;  ///< a top that is so much lower than the body is not the head
+constexpr double kOfPixel2 = 1.0 / 6;  ///< variance of a middle or half width, in squared pixels
 /// Sides are where the surface beyond is this share.
 constexpr double kSideShare = 0.04;
 
@@ -183,6 +184,10 @@ BodyPlace place_body(const Cluster& cluster, const Eigen::Vector3d& eye_m, const
                      across.at_m * seen.across;
   place.covariance = along_sigma_m * along_sigma_m * seen.along * seen.along.transpose() +
                      across.sigma_m * across.sigma_m * seen.across * seen.across.transpose();
+  // Sides and depth of a body that few pixels show are known to a part of a pixel.
+  if (!cluster.points.empty())
+    place.covariance += kOfPixel2 * cluster.area_m2 / static_cast<double>(cluster.points.size()) *
+                        Eigen::Matrix2d::Identity();
   return place;
 }
 

@@ -70,6 +70,8 @@ bool worth_keeping(std::span<const std::uint8_t> flash) {
 }
 
 Result<std::vector<std::uint8_t>> read_image_file(const std::string& path) {
+  std::error_code unknown;
+  if (std::filesystem::is_directory(path, unknown)) return bad(path, "is a folder (name a .bin)");
   std::ifstream in(path, std::ios::binary | std::ios::ate);
   if (!in)
     return system_error(ErrorCode::kNotFound,

@@ -102,8 +102,16 @@ Result<std::string> expand_environment(const std::string& text) {
 
 Result<std::string> read_text(const std::filesystem::path& path, std::size_t max_bytes) {
   const std::string what = "cannot read '" + path.string() + "'";
+  const auto unread = [&](int why) {
+    const bool is_elsewhere = why == ENOENT || why == ENOTDIR || why == EISDIR;
+    Error error = system_error(ErrorCode::kNotFound, what, why);
+    error.context += is_elsewhere
+                         ? ": " + advice_for_unread(path.filename().string(), why == EISDIR)
+                         : ": check its rights";
+    return error;
+  };
   std::FILE* file = std::fopen(path.c_str(), "rb");
-  if (file == nullptr) return system_error(ErrorCode::kNotFound, what, errno);
+  if (file == nullptr) return unread(errno);
   std::string text;
   std::error_code unknown;  // of a pipe
   const auto bytes = std::filesystem::file_size(path, unknown);
@@ -117,7 +125,7 @@ Result<std::string> read_text(const std::filesystem::path& path, std::size_t max
   }
   const int read_errno = std::ferror(file) != 0 ? errno : 0;
   std::fclose(file);
-  if (read_errno != 0) return system_error(ErrorCode::kNotFound, what, read_errno);
+  if (read_errno != 0) return unread(read_errno);
   if (const std::string kind = binary_kind(text); !kind.empty())
     return Error{ErrorCode::kFormat, what + ": it is " + kind};
   if (text.size() > max_bytes)

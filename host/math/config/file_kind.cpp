@@ -57,4 +57,19 @@ std::string binary_kind(std::string_view first_bytes) {
   return {};
 }
 
+std::string advice_for_unread(std::string_view file_name, bool is_folder) {
+  struct Advice {
+    std::string_view end, text;
+  };
+  constexpr std::array<Advice, 4> kAdvice{
+      {{"take.toml", "name the folder of a take"},
+       {"manifest.toml", "name a room that mixrig scan has written"},
+       {"background.toml", "name a background that mixrig scan has written"},
+       {"rig.toml", "write it by mixrig rig init, or name another"}}};
+  if (is_folder) return "name a file";
+  for (const Advice& advice : kAdvice)
+    if (file_name.ends_with(advice.end)) return std::string(advice.text);
+  return "check the path";
+}
+
 }  // namespace mixrig::config

@@ -211,6 +211,10 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
   const Stopwatch reading;
   Crew crew(options.threads);
   MIXRIG_ASSIGN(SweepViews sweep, read_sweep(*source, known ? &*known->pan_tilt : nullptr, crew));
+  if (!known && !source->info().moves)
+    log_warning("scan", options.take.string() +
+                            ": its camera stands still: the room is what all frames show of one "
+                            "view, people too; --frames FIRST-LAST takes the empty ones alone");
   MIXRIG_TRY(add_brackets(folder_of(options.take), sweep, crew));
   const geometry::CameraModel &tof = source->info().tof, &target = source->info().target;
   RoomScan scan;

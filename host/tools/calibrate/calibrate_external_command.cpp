@@ -122,7 +122,8 @@ Result<nlohmann::json> calibrate(const ExternalArguments& arguments) {
     MIXRIG_TRY(calibration_file::update_calibration(arguments.calibration, calibration));
   }
   return with_end(report_of(*found), arguments.calibration,
-                  arguments.calibration.empty() ? "give --calibration FILE to keep the pose" : "");
+                  arguments.calibration.empty() ? "give --calibration FILE to keep the pose"
+                                                : in_rig_toml(arguments.calibration));
 }
 
 }  // namespace

@@ -179,8 +179,9 @@ Result<nlohmann::json> calibrate(const IntrinsicsArguments& arguments) {
   warn_of_losses(arguments, *solved);
   MIXRIG_TRY(write_files(arguments, *solved, map));
   print(arguments.camera, all, *solved, map, advice, why);
-  return with_end(report_of(arguments.camera, all, *solved, map, advice, why), arguments.out,
-                  arguments.out.empty() ? "give --out FILE to keep the camera" : "");
+  return with_end(
+      report_of(arguments.camera, all, *solved, map, advice, why), arguments.out,
+      arguments.out.empty() ? "give --out FILE to keep the camera" : in_rig_toml(arguments.out));
 }
 
 }  // namespace

@@ -161,8 +161,9 @@ Result<nlohmann::json> calibrate_lens(const LensArguments& arguments) {
     calibration.cameras = {*rest};
     MIXRIG_TRY(calibration_file::update_calibration(arguments.out, calibration));
   }
-  return with_end(report_of(*table, left_out), arguments.out,
-                  arguments.out.empty() ? "give --out FILE to keep the table" : "");
+  return with_end(
+      report_of(*table, left_out), arguments.out,
+      arguments.out.empty() ? "give --out FILE to keep the table" : in_rig_toml(arguments.out));
 }
 
 }  // namespace

@@ -256,7 +256,8 @@ Result<json> calibrate(const RigArguments& arguments) {
   const bool two = arguments.camera.empty() && second_depth_camera(set) != nullptr;
   if (two) options.cameras = all_but_second(set);
   MIXRIG_ASSIGN(json report, run(set, options, arguments));
-  const char* const next = arguments.out.empty() ? "give --out FILE to keep the calibration" : "";
+  const std::string next = arguments.out.empty() ? "give --out FILE to keep the calibration"
+                                                 : in_rig_toml(arguments.out);
   if (!two) return with_end(std::move(report), arguments.out, next);
   // The first camera of the rig keeps the lens that all of its views gave.
   options.cameras = {set.cameras.front().name, second_depth_camera(set)->name};

@@ -52,7 +52,8 @@ Result<nlohmann::json> learn(const LearnArguments& arguments) {
   bar.reset();
   if (!report) return report;
   print_learned(*report);
-  return with_end(*std::move(report), arguments.out, {});
+  return with_end(*std::move(report), arguments.out,
+                  "mixrig track --map " + arguments.out + " --take TAKE poses.txt");
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ Result<nlohmann::json> track_in_map(const MapTrackArguments& arguments) {
                                        ": the map explains none of its pictures: is it a take of "
                                        "this room, and is the camera calibrated?"};
   if (!arguments.tum.empty()) MIXRIG_TRY(write_file(arguments.tum, track.tum));
-  return with_end(json, arguments.tum, {});
+  return with_end(json, arguments.tum, as_trajectory(arguments.tum));
 }
 
 Result<nlohmann::json> join_maps(const MapAlignArguments& arguments) {
@@ -44,7 +44,8 @@ Result<nlohmann::json> join_maps(const MapAlignArguments& arguments) {
   std::printf("rotation      sigma %.4f deg\nscale         %.5f  (sigma %.2f %%)\n",
               report["rotation_sigma_deg"].get<double>(), report["scale"].get<double>(),
               report["scale_sigma_pct"].get<double>());
-  return with_end(report, arguments.out, {});
+  return with_end(report, arguments.out,
+                  "mixrig track --map " + arguments.out + " --take TAKE poses.txt");
 }
 
 Result<nlohmann::json> place_map(const MapAlignArguments& arguments) {
@@ -58,7 +59,8 @@ Result<nlohmann::json> place_map(const MapAlignArguments& arguments) {
   std::printf("place         sigma %.2f mm, %.4f deg\n", number("sigma_mm"), number("sigma_deg"));
   std::printf("scale         %.5f m per unit  (sigma %.2f %%)\n", number("metres_per_unit"),
               number("scale_sigma_pct"));
-  return with_end(report, arguments.out, {});
+  return with_end(report, arguments.out,
+                  "mixrig track --map " + arguments.out + " --take TAKE poses.txt");
 }
 
 }  // namespace mixrig::tools

@@ -180,7 +180,7 @@ Result<nlohmann::json> track_in_room(const TrackArguments& arguments) {
                                        ": the room explains none of its pictures: is it a take of "
                                        "this room, and is the camera calibrated?"};
   if (!arguments.tum.empty()) MIXRIG_TRY(write_file(arguments.tum, session::to_tum(track)));
-  return with_end(json, arguments.tum, {});
+  return with_end(json, arguments.tum, as_trajectory(arguments.tum));
 }
 
 Result<nlohmann::json> track_by_map(const TrackArguments& arguments, const MapJobs& jobs) {
@@ -231,7 +231,7 @@ Result<nlohmann::json> track(const TrackArguments& arguments) {
                    {"residual_rms_m", track->residual_rms_m},
                    {"refused", track->refused},
                    {"live", all.live ? to_json(*all.live) : nlohmann::json()}},
-                  arguments.tum, {});
+                  arguments.tum, as_trajectory(arguments.tum));
 }
 
 }  // namespace

@@ -131,6 +131,19 @@ TEST_F(PartialPathTest, TextThatCannotBeWrittenLeavesNothing) {
   EXPECT_EQ(std::distance(fs::directory_iterator(root_), {}), 1);
 }
 
+TEST_F(PartialPathTest, AWriteProtectedFileStays) {
+  const fs::path file = root_ / "scene.toml";
+  ASSERT_TRUE(write_file(file, "mine"));
+  fs::permissions(file, fs::perms::owner_read);
+  const auto result = write_file(file, "{}");
+  ASSERT_FALSE(result);
+  EXPECT_NE(result.error().context.find("is write-protected: permit"), std::string::npos);
+  EXPECT_EQ(fs::file_size(file), 4u);
+  EXPECT_FALSE(fs::exists(root_ / "scene.toml.partial"));
+  fs::permissions(file, fs::perms::owner_all);
+  EXPECT_TRUE(write_file(file, "{}"));
+}
+
 TEST_F(PartialPathTest, AFileNeverTakesThePlaceOfAFolder) {
   fs::create_directory(root_ / "theirs");
   touch(root_ / "theirs" / "thesis.tex");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command line: help, version, unknown words, and a run that succeeds.
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -117,6 +119,27 @@ TEST(CommandLine, APipedRunSaysItsFirstWordWhileItStillOpensTheScene) {
   if (word[0] != 0) take.text("scene.toml", "");
   pclose(run);
 }
+
+#ifdef MIXRIG_EXTRA_STUDIO
+/// Its first picture is ray traced for longer than a word may take.
+TEST(CommandLine, APipedRunSaysItsFirstWordBeforeAFirstFrameThatTakesLong) {
+  const TinyTake take;
+  FILE* const run = popen(
+      ("cd " + take.path("").string() +
+       " && exec " MIXRIG_COMMAND " run scene.toml --source studio:walk,7,kinect2,400,4096x3072"
+       " 2>&1 >/dev/null & echo $!; wait")
+          .c_str(),
+      "r");
+  ASSERT_NE(run, nullptr);
+  char process[32] = {}, word[200] = {};
+  ASSERT_NE(fgets(process, sizeof process, run), nullptr);
+  EXPECT_NE(fgets(word, sizeof word, run), nullptr);
+  const std::string first = word;
+  EXPECT_TRUE(first == "first step 0/1\n" || first == "opening the scene 0/1\n") << first;
+  ::kill(std::atoi(process), SIGKILL);
+  pclose(run);
+}
+#endif
 
 TEST(CommandLine, AnErrorIsJsonWhereTheReportWouldBe) {
   const TinyTake take;

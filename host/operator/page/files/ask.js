@@ -45,9 +45,9 @@ async function ask(method, path, body, type) {
       method, body: type ? body : JSON.stringify(body || {}),
       headers: { 'Content-Type': type || 'application/json' } });
     if (answer.ok) return true;
-    tell((await answer.json()).error || `The rig refused this change (HTTP status ${answer.status}).`);
+    tell((await answer.json()).error || tr`The rig refused this change (HTTP status ${answer.status}).`);
   } catch (error) {
-    tell('The rig does not answer: check that mixrig runs and that the network reaches it.');
+    tell(tr`The rig does not answer: check that mixrig runs and that the network reaches it.`);
   }
   return false;
 }

@@ -8,19 +8,19 @@ const Edits = {
   held: false,        // a pointer is down
 
   show(edits) {
-    for (const [id, word] of [['undo', 'Undo'], ['redo', 'Redo']]) {
+    for (const [id, word] of [['undo', tr`Undo`], ['redo', tr`Redo`]]) {
       const what = edits[id];
       el(id).disabled = !what || this.locked;
-      el(id).title = what ? `${word}: ${what}` : `${word}: nothing`;
+      el(id).title = what ? `${word}: ${what}` : tr`${word}: nothing`;
       el(id).setAttribute('aria-label', el(id).title);
     }
   },
   async back(which) {
-    if (this.locked) return note('This page is locked: press L or Unlock.');
+    if (this.locked) return note(tr`This page is locked: press L or Unlock.`);
     const what = state.edits && state.edits[which];
-    if (!what) return note(`There is nothing to ${which}.`);
+    if (!what) return note(which === 'undo' ? tr`There is nothing to undo.` : tr`There is nothing to redo.`);
     showAgain();
-    if (await ask('POST', `scene/${which}`)) note(`${which === 'undo' ? 'Undone' : 'Done again'}: ${what}`);
+    if (await ask('POST', `scene/${which}`)) note(which === 'undo' ? tr`Undone: ${what}` : tr`Done again: ${what}`);
   },
   cancel() {
     this.cancelled = true;
@@ -28,14 +28,14 @@ const Edits = {
     const discard = ['POST', 'scene/discard', {}];   // after what is under way
     for (const key of waiting.keys()) waiting.set(key, discard);
     if (!waiting.size) ask(...discard);
-    note('Cancelled.');
+    note(tr`Cancelled.`);
   },
   lock(on) {
     this.locked = on;
     document.body.dataset.locked = on;
     for (const part of document.querySelectorAll('[data-edits]')) part.inert = on;
     el('lock').setAttribute('aria-pressed', on);
-    el('lock').textContent = on ? 'Unlock' : 'Lock';
+    el('lock').textContent = on ? tr`Unlock` : tr`Lock`;
     if (state.edits) this.show(state.edits);
   },
 };

@@ -18,10 +18,10 @@ const keys = {
 };
 views.forEach((view, i) => { keys[i + 1] = () => Views.choose(view); });
 
-const help = [['R', 'Begin and end a recording'], ['C', 'Circle the last take'], ['0', 'Program'],
-  ['1 to 6', 'Composite, plate, key, depth, light, matte'], ['Space', 'Freeze'], ['Ctrl+Z', 'Undo'],
-  ['Ctrl+Shift+Z', 'Redo'], ['Escape', 'Cancel what is being dragged or placed'], ['L', 'Lock and unlock this page'],
-  ['M', 'Close the message'], ['Tab, arrows', 'Choose a mark, move it; with Shift in larger steps'], ['H, ?', 'This list']];
+const help = [['R', tr`Begin and end a recording`], ['C', tr`Circle the last take`], ['0', tr`Program`],
+  [tr`1 to 6`, tr`Composite, plate, key, depth, light, matte`], [tr`Space`, tr`Freeze`], ['Ctrl+Z', tr`Undo`],
+  ['Ctrl+Shift+Z', tr`Redo`], ['Escape', tr`Cancel what is being dragged or placed`], ['L', tr`Lock and unlock this page`],
+  ['M', tr`Close the message`], [tr`Tab, arrows`, tr`Choose a mark, move it; with Shift in larger steps`], ['H, ?', tr`This list`]];
 el('help-keys').append(...help.flatMap(([key, does]) => [make('dt', {}, make('kbd', {}, key)), make('dd', {}, does)]));
 function showHelp() { if (el('help').open) el('help').close(); else el('help').showModal(); }
 el('help-open').addEventListener('click', showHelp);

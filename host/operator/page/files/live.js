@@ -51,7 +51,7 @@ const Live = {
     if (lost && !this.lost) this.since_ms = this.heard_ms;
     this.lost = lost;
     if (!lost) this.ever = true;
-    else if (this.ever) el('summary').textContent = 'no connection to the rig; trying again';
+    else if (this.ever) el('summary').textContent = tr`no connection to the rig; trying again`;
     document.body.dataset.link = lost ? (this.ever ? 'lost' : 'first') : 'up';
     el('record').disabled = lost || !(state.recording && state.recording.possible);
     showTally();
@@ -66,12 +66,12 @@ function take(part, value) {
 // What is being recorded; by colour, by a sign and in words. Of a lost rig nobody knows.
 function showTally() {
   const r = state.recording || {}, tally = el('tally');
-  const text = Live.lost ? (r.on ? `not known: was recording ${r.name}` : Live.ever ? 'not known' : 'connecting')
-    : r.on ? `recording ${r.name}` : 'not recording';
+  const text = Live.lost ? (r.on ? tr`not known: was recording ${r.name}` : Live.ever ? tr`not known` : tr`connecting`)
+    : r.on ? tr`recording ${r.name}` : tr`not recording`;
   set(tally, 'textContent', text);
   tally.dataset.on = Live.lost ? 'unknown' : Boolean(r.on);
   el('tally-time').textContent = r.on && !Live.lost ? clock_text(r.seconds) : '';
-  document.title = Live.lost ? 'NO CONNECTION, mixrig' : r.on ? `REC ${r.name}, mixrig` : 'mixrig';
+  document.title = Live.lost ? tr`NO CONNECTION, mixrig` : r.on ? tr`REC ${r.name}, mixrig` : 'mixrig';
 }
 const clock_text = s => `${Math.floor(s / 60)}:${String(Math.floor(s % 60)).padStart(2, '0')}`;
 
@@ -81,15 +81,15 @@ function alarms() {
   if (Live.lost) {
     if (!Live.ever) return [];
     const r = state.recording;
-    return [`No connection to the rig for ${since(Live.since_ms)}: all that is shown is old. Trying again.` +
-      (r && r.on ? ` It was recording ${r.name}: look at the rig whether it still does.` : '')];
+    return [tr`No connection to the rig for ${since(Live.since_ms)}: all that is shown is old. Trying again.` +
+      (r && r.on ? ' ' + tr`It was recording ${r.name}: look at the rig whether it still does.` : '')];
   }
   const { picture, recording, pose, streams } = state, all = [];
   if (recording && recording.error && recording.error !== seen_error)
-    all.push(`Recording ${recording.name} ended: ${recording.error}`);
+    all.push(tr`Recording ${recording.name} ended: ${recording.error}`);
   if (picture && picture.frames > 0 && picture.since_frame_s > 2)
-    all.push(`The run stands: no frame for ${picture.since_frame_s.toFixed(0)} s.`);
-  if (pose && pose.state !== 'ok' && pose.state !== 'unknown') all.push(`Pose lost: ${pose.state}.`);
+    all.push(tr`The run stands: no frame for ${picture.since_frame_s.toFixed(0)} s.`);
+  if (pose && pose.state !== 'ok' && pose.state !== 'unknown') all.push(tr`Pose lost: ${pose.state}.`);
   for (const s of streams || []) if (!s.ok) all.push(`${s.name} ${s.do}`);
   return all;
 }

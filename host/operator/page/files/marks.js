@@ -35,7 +35,7 @@ function at_of(event) {
 }
 function makeHandle(o) {
   const put = body => change('object ' + o.name, thing_path('objects', o.name), body);
-  const handle = make('button', { className: 'handle', 'aria-label': `Move ${o.name}` },
+  const handle = make('button', { className: 'handle', 'aria-label': tr`Move ${o.name}` },
     make('span', {}, o.name));
   const to = () => el('onto').checked ? 'onto' : 'at';
   // The mark is taken where it is grabbed, and does not jump to the pointer.
@@ -94,12 +94,12 @@ function setFocusing(on) {
   focusing = on;
   if (on) setAddingLamp(false);
   el('focus-pick').setAttribute('aria-pressed', on);
-  el('focus-pick').textContent = on ? 'Click in the picture on what to focus' : 'Click to focus';
+  el('focus-pick').textContent = on ? tr`Click in the picture on what to focus` : tr`Click to focus`;
 }
 function setAddingLamp(on) {
   if (on) setFocusing(false);
   adding_lamp = on;
   el('add-lamp').setAttribute('aria-pressed', on);
   el('add-lamp').textContent = on
-    ? (el('lamp-where').value === 'above_floor_m' ? 'Click on the floor below the lamp' : 'Click on the lamp') : 'Add a lamp';
+    ? (el('lamp-where').value === 'above_floor_m' ? tr`Click on the floor below the lamp` : tr`Click on the lamp`) : tr`Add a lamp`;
 }

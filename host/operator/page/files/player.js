@@ -23,7 +23,7 @@ const Player = {
   play(on) {
     if (on && this.at >= this.frames) this.at = 1;
     this.playing = on;
-    set(el('player-play'), 'textContent', on ? 'Pause' : 'Play');
+    set(el('player-play'), 'textContent', on ? tr`Pause` : tr`Play`);
     this.seek(this.at);
   },
   async fetch() {
@@ -37,10 +37,10 @@ const Player = {
       this.url = el('player-picture').src = URL.createObjectURL(await answer.blob());
       el('player-picture').dataset.frame = wanted;
       setValue(el('player-at'), wanted);
-      el('player-state').textContent = `${clock_text((wanted - 1) / this.rate_hz)} of ${clock_text(this.frames / this.rate_hz)}, frame ${wanted} of ${this.frames}`;
+      el('player-state').textContent = tr`${clock_text((wanted - 1) / this.rate_hz)} of ${clock_text(this.frames / this.rate_hz)}, frame ${wanted} of ${this.frames}`;
     } catch (error) {
       this.playing = false;
-      el('player-state').textContent = `This take cannot be played: ${error.message}`;
+      el('player-state').textContent = tr`This take cannot be played: ${error.message}`;
     }
     this.busy = false;
     if (!el('player').open) return;
@@ -58,7 +58,7 @@ const Player = {
       this.fetch();
     }, wait_ms);
   },
-  end() { this.playing = false; set(el('player-play'), 'textContent', 'Play'); },
+  end() { this.playing = false; set(el('player-play'), 'textContent', tr`Play`); },
 };
 el('player-play').addEventListener('click', () => Player.play(!Player.playing));
 el('player-at').addEventListener('input', e => { Player.end(); Player.seek(Number(e.target.value)); });

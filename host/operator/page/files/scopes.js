@@ -161,7 +161,7 @@ const Scopes = {
       if (y > 99) ++clipped; else if (y < 2) ++black;
     }
     const percent = n => (400 * n / pixels.length).toFixed(1);
-    el('exposure').textContent = `${percent(clipped)} % clipped, ${percent(black)} % black`;
+    el('exposure').textContent = tr`${percent(clipped)} % clipped, ${percent(black)} % black`;
   },
   async fetchInset() {
     if (!this.on.inset || document.hidden) return;
@@ -174,7 +174,7 @@ const Scopes = {
 for (const key of kept_keys)
   el('scope-' + key).addEventListener('change', e => Scopes.choose(key, e.target.type === 'checkbox' ? e.target.checked : e.target.value));
 for (const band of bands.filter(b => b.colour))
-  el('legend').append(make('span', {}, make('i', { style: `background: rgb(${band.colour})` }), band.name));
+  el('legend').append(make('span', {}, make('i', { style: `background: rgb(${band.colour})` }), tr(band.name)));
 Scopes.show();
 setInterval(() => Scopes.look(), 100);
 (async () => { for (;;) { await Scopes.fetchInset(); await new Promise(done => setTimeout(done, 250)); } })();

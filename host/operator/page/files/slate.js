@@ -30,7 +30,7 @@ async function startRecording() {
   const own = el('take-name').value.trim();
   if (own && taken().has(own)) {
     el('take-name').value = freeTake(own);
-    return tell(`${own} exists. The next is ${el('take-name').value}: press Record for it, or give another name.`);
+    return tell(tr`${own} exists. The next is ${el('take-name').value}: press Record for it, or give another name.`);
   }
   const name = own || proposed();
   if (await ask('POST', 'record/start', { name, notes: el('take-notes').value }) && own) el('take-name').dataset.last = own;
@@ -39,18 +39,19 @@ el('record').addEventListener('click', () => state.recording && state.recording.
 
 function makeTake(t) {
   const put = body => ask('PUT', thing_path('takes', t.name), body);
-  const circle = field('circle', t.name, make('button', { className: 'circle', title: 'Mark as a good take',
+  const circle = field('circle', t.name, make('button', { className: 'circle', title: tr`Mark as a good take`,
     onclick: e => put({ circled: e.currentTarget.getAttribute('aria-pressed') !== 'true' }) }));
-  const play = field('play', t.name, make('button', { onclick: () => Player.open(state.takes.find(one => one.name === t.name)) }, 'Play'));
-  const notes = field('notes', t.name, make('input', { type: 'text', maxLength: 1000, placeholder: 'notes',
+  const play = field('play', t.name, make('button', { onclick: () => Player.open(state.takes.find(one => one.name === t.name)) }, tr`Play`));
+  const notes = field('notes', t.name, make('input', { type: 'text', maxLength: 1000, placeholder: tr`notes`,
     onchange: e => put({ notes: e.target.value }) }));
   return make('div', { className: 'thing take' }, circle,
     make('div', {}, make('b', {}, t.name), make('p', { className: 'hint' }), notes), play);
 }
+const take_states = { 'whole': tr`whole`, 'cut off': tr`cut off` };
 function updateTake(block, t) {
   const whole = t.frames > 0;
   const size = t.megabytes >= 1000 ? `${(t.megabytes / 1000).toFixed(1)} GB` : `${t.megabytes.toFixed(1)} MB`;
-  const words = [whole ? clock_text(t.seconds) : '', whole ? `${t.frames} frames` : '', t.lost ? `${t.lost} lost` : '', size, t.state];
+  const words = [whole ? clock_text(t.seconds) : '', whole ? tr`${t.frames} frames` : '', t.lost ? tr`${t.lost} lost` : '', size, take_states[t.state] || t.state];
   set(block.querySelector('.hint'), 'textContent', words.filter(Boolean).join(', '));
   block.querySelector('.hint').classList.toggle('bad', t.state !== 'whole');
   const circle = part(block, 'circle');
@@ -67,8 +68,8 @@ function showTakes(list) {
 }
 function showDisk() {
   const { free_gb, record_minutes } = state.disk;
-  el('disk-left').textContent = free_gb === null ? '' : `${free_gb.toFixed(1)} GB left` +
-    (record_minutes === null ? '' : `, ${minutes_text(record_minutes)} of recording`);
+  el('disk-left').textContent = free_gb === null ? '' : tr`${free_gb.toFixed(1)} GB left` +
+    (record_minutes === null ? '' : tr`, ${minutes_text(record_minutes)} of recording`);
   el('disk-left').classList.toggle('bad', free_gb !== null && (free_gb < 5 || (record_minutes !== null && record_minutes < 20)));
 }
 const minutes_text = m => m < 120 ? `${m.toFixed(0)} min` : `${(m / 60).toFixed(0)} h`;

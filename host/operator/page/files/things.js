@@ -24,14 +24,14 @@ function freeName(name) {
   return free;
 }
 function field(label, name, input) {
-  input.setAttribute('aria-label', `${label} of ${name}`);
+  input.setAttribute('aria-label', tr`${tr(label)} of ${name}`);
   input.dataset.field = label;
   return input;
 }
 const part = (block, name) => block.querySelector(`[data-field="${name}"]`);
 
 async function removeThing(kind, name) {
-  if (await ask('DELETE', thing_path(kind, name))) note(`Removed ${name}.`, true);
+  if (await ask('DELETE', thing_path(kind, name))) note(tr`Removed ${name}.`, true);
 }
 
 function makeObject(o) {
@@ -42,17 +42,17 @@ function makeObject(o) {
   const scale = field('scale', o.name, make('input', { type: 'number', min: 0.01, max: 100, step: 0.05,
     onchange: e => put({ scale: Number(e.target.value) }) }));
   const hide = field('hide', o.name, make('button', { 'aria-pressed': 'false',
-    onclick: e => put({ hidden: e.currentTarget.getAttribute('aria-pressed') !== 'true' }) }, 'Hide'));
+    onclick: e => put({ hidden: e.currentTarget.getAttribute('aria-pressed') !== 'true' }) }, tr`Hide`));
   const remove = field('remove', o.name, make('button', {
-    onclick: () => removeThing('objects', o.name) }, 'Remove'));
+    onclick: () => removeThing('objects', o.name) }, tr`Remove`));
   const rename = field('name', o.name, make('input', { type: 'text', maxLength: 64, value: o.name,
     onchange: e => e.target.value && e.target.value !== o.name && put({ name: e.target.value }) }));
   const copy = field('duplicate', o.name, make('button', {
-    onclick: () => ask('POST', thing_path('objects', o.name) + '/copy') }, 'Duplicate'));
+    onclick: () => ask('POST', thing_path('objects', o.name) + '/copy') }, tr`Duplicate`));
   return make('div', { className: 'thing' }, rename,
     make('span', { className: 'hint where' }),
-    make('div', { className: 'row' }, make('span', { className: 'hint' }, 'turn'), turn),
-    make('div', { className: 'row' }, make('span', { className: 'hint' }, 'scale'), scale, hide, copy, remove));
+    make('div', { className: 'row' }, make('span', { className: 'hint' }, tr`turn`), turn),
+    make('div', { className: 'row' }, make('span', { className: 'hint' }, tr`scale`), scale, hide, copy, remove));
 }
 function updateObject(block, o) {
   set(block.querySelector('.where'), 'textContent', o.position_m.map(v => v.toFixed(2)).join(', ') + ' m');
@@ -83,12 +83,12 @@ function makeLamp(l) {
   const strength = field('strength', l.name, make('input', { type: 'range', min: -2, max: 2, step: 0.02 }));
   const color = field('color', l.name, make('input', { type: 'color' }));
   const on = field('on', l.name, make('button', { 'aria-pressed': 'true',
-    onclick: e => put({ on: e.currentTarget.getAttribute('aria-pressed') !== 'true' }) }, 'On'));
+    onclick: e => put({ on: e.currentTarget.getAttribute('aria-pressed') !== 'true' }) }, tr`On`));
   const remove = field('remove', l.name, make('button', {
-    onclick: () => removeThing('lamps', l.name) }, 'Remove'));
+    onclick: () => removeThing('lamps', l.name) }, tr`Remove`));
   const block = make('div', { className: 'thing' }, make('b', {}, l.name), ' ',
     make('span', { className: 'hint' }),
-    make('div', { className: 'row' }, make('span', { className: 'hint' }, 'strength'), strength, color),
+    make('div', { className: 'row' }, make('span', { className: 'hint' }, tr`strength`), strength, color),
     make('div', { className: 'row' }, on, remove));
   for (const input of [strength, color]) {
     input.addEventListener('input', () => put({ intensity: intensity_of(block), preview: true }));
@@ -98,7 +98,7 @@ function makeLamp(l) {
 }
 function updateLamp(block, l) {
   set(block.querySelector('.hint'), 'textContent',
-    l.on ? `strength ${strength_of(l).toPrecision(3)}` : 'off');
+    l.on ? tr`strength ${strength_of(l).toPrecision(3)}` : tr`off`);
   part(block, 'on').setAttribute('aria-pressed', l.on);
   if (!l.on) return;
   setValue(part(block, 'strength'), Math.log10(Math.max(0.01, strength_of(l))).toFixed(2));
@@ -118,7 +118,8 @@ function makeCamera(c) {
       onchange: e => put({ [s.name]: Number(e.target.value) }) }));
     const number = field(`${label} as number`, c.name, make('input', { type: 'number', ...range, step: 'any',
       onchange: e => put({ [s.name]: Number(e.target.value) }) }));
-    return make('div', { className: 'row' }, make('span', { className: 'hint' }, label), slider, number);
+    number.setAttribute('aria-label', tr`${tr(label)} as number of ${c.name}`);
+    return make('div', { className: 'row' }, make('span', { className: 'hint' }, tr(label)), slider, number);
   });
   return make('div', { className: 'thing' }, make('b', {}, c.name), ...rows);
 }

@@ -12,9 +12,9 @@ const Views = {
       const on = tab.dataset.view === this.own;
       tab.setAttribute('aria-selected', on);
       tab.tabIndex = on ? 0 : -1;
-      if (tab.dataset.view === 'program') set(tab, 'textContent', `Program: ${program}`);
+      if (tab.dataset.view === 'program') set(tab, 'textContent', tr`Program: ${tr(program)}`);
     }
-    el('canvas').setAttribute('aria-label', `Live picture: ${shown}`);
+    el('canvas').setAttribute('aria-label', tr`Live picture: ${tr(shown)}`);
     el('to-program').hidden = this.own === 'program' || this.own === program;
     if (state.view) Picture.show(shown);
   },

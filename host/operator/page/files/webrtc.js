@@ -15,12 +15,12 @@ class Webrtc {
     this.nameless = 0;       // pictures in a row without a time stamp
     this.told_since = null;   // first picture that was told after the last one that came
     if (!window.RTCPeerConnection || !this.video.requestVideoFrameCallback) {
-      this.end('this browser has no WebRTC', false);
+      this.end(tr`this browser has no WebRTC`, false);
       return;
     }
     this.socket = new WebSocket(`ws://${location.host}/api/v1/picture/${view}.webrtc`);
     this.socket.onmessage = event => this.take(JSON.parse(event.data).data);
-    this.socket.onclose = () => this.end('the rig closed the connection', true);
+    this.socket.onclose = () => this.end(tr`the rig closed the connection`, true);
     this.watch = setInterval(() => this.checkThatItComes(), 500);
   }
 
@@ -33,7 +33,7 @@ class Webrtc {
       try {
         await this.answer(data.sdp);
       } catch (error) {
-        this.end(`this browser refused the connection: ${error.message}`, false);
+        this.end(tr`this browser refused the connection: ${error.message}`, false);
       }
     }
     if (data.action === 'picture') {
@@ -61,7 +61,7 @@ class Webrtc {
       if (this.is_over) return;
       this.nameless = picture.rtpTimestamp === undefined ? this.nameless + 1 : 0;  // so is one as a track ends
       if (this.nameless > 30) {
-        this.end('this browser does not say which frame it shows', false);
+        this.end(tr`this browser does not say which frame it shows`, false);
         return;
       }
       if (this.nameless === 0) this.told_since = null;
@@ -79,7 +79,7 @@ class Webrtc {
     if (document.hidden) this.told_since = null;
     const most_ms = this.captured_ms ? 2000 : 10000;
     if (this.told_since !== null && performance.now() - this.told_since > most_ms)
-      this.end('no picture arrives', true);
+      this.end(tr`no picture arrives`, true);
   }
 
   end(why, may_come) {

@@ -52,12 +52,30 @@ std::map<Exposures, std::vector<float>> log_ratios(std::span<const ScanView> vie
   return of;
 }
 
+/// Middle of the ratios of what has stayed. The median of all is off by what moved, on one side;
+/// what differs from it by more than its scatter explains is left out, again and again.
+double middle_of(std::vector<float>& logs) {
+  constexpr int kRounds = 5;
+  constexpr float kStays = 4 * 1.4826F;  // four sigmas, over the median of the deviations
+  constexpr float kLeastSpread = 1e-3F;
+  std::vector<float> off;
+  float middle = upper_median_in_place(std::span(logs));
+  for (int i = 0; i < kRounds; ++i) {
+    off.clear();
+    for (const float l : logs) off.push_back(std::abs(l - middle));
+    const float gate = kStays * std::max(kLeastSpread, upper_median_in_place(std::span(off)));
+    std::erase_if(logs, [&](float l) { return std::abs(l - middle) > gate; });
+    middle = upper_median_in_place(std::span(logs));
+  }
+  return middle;
+}
+
 /// Measures `to`, which is one step away from `from` in the chain.
 void measure_step(const FoundExposure& from, std::vector<float>& logs, FoundExposure& to) {
   const double nominal = to.nominal / from.nominal;
   if (logs.size() >= kLeastSamples) {
-    const double median = std::exp(upper_median_in_place(std::span(logs)));
-    to.measured = from.measured * (to.nominal < from.nominal ? median : 1 / median);
+    const double ratio = std::exp(middle_of(logs));
+    to.measured = from.measured * (to.nominal < from.nominal ? ratio : 1 / ratio);
     to.samples = logs.size();
   } else {  // n is exposed as (n + offset) / (1 + offset)
     const double offset =

@@ -18,11 +18,11 @@ struct FoundExposure {
 };
 
 /// Measures the light of each nominal exposure relative to the plates': the median ratio of pixels
-/// that two plates of neighbouring exposures see well, over all views, multiplied along the chain
-/// from the plates on. Where too few pixels are seen by both, the deviation of the exposure before
-/// it in the chain is assumed. An exposure whose ratio differs from its nominal one by more than a
-/// factor of 1.5 was not set by the camera: it and the exposures after it in the chain are not
-/// used. The shortest exposure comes last.
+/// that two plates of neighbouring exposures see well, over all views, without those that
+/// contradict it, multiplied along the chain from the plates on. Where too few pixels are seen by
+/// both, the deviation of the exposure before it in the chain is assumed. An exposure whose ratio
+/// differs from its nominal one by more than a factor of 1.5 was not set by the camera: it and the
+/// exposures after it in the chain are not used. The shortest exposure comes last.
 std::vector<FoundExposure> find_exposures(std::span<const ScanView> views);
 
 /// Joins the plates at other exposures of each view to ScanView::light, and drops these plates. A
