@@ -20,8 +20,8 @@ std::string other_kind(std::span<const std::string> keys,
 /// it may be text or a model, which read_text() reads too. Knows recordings and pictures. Pure.
 std::string binary_kind(std::string_view first_bytes);
 
-/// What to do where a file of this name is not there, or is a folder: "a take is a folder with
-/// take.toml: ...", "name a file". Pure.
+/// What to do where a file of this name is not there, or is a folder: "name the folder of a take",
+/// "name a file". Pure.
 std::string advice_for_unread(std::string_view file_name, bool is_folder);
 
 }  // namespace mixrig::config

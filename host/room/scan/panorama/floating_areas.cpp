@@ -104,7 +104,9 @@ void fill_flat_holes(Panorama& p) {
          areas_of(p.size(), directions, Eigen::Vector3d::Zero(), is_hole)) {
       const std::optional<float> noise = noise_of_plane_around(p, hole, off_m);
       if (!noise) continue;
-      p.flat_holes.push_back({hole.direction, hole.solid_angle_sr});
+      if (std::any_of(hole.pixels.begin(), hole.pixels.end(),
+                      [&](const auto& px) { return p.distance_m.row(px[1])[px[0]] <= 0; }))
+        p.flat_holes.push_back({hole.direction, hole.solid_angle_sr});
       for (const auto& [x, y] : hole.pixels) {
         const auto distance_m = static_cast<float>(plane.distance_m(directions(x, y)));
         p.distance_m.row(y)[x] = distance_m;

@@ -31,7 +31,8 @@ void forget_wrapped(Panorama& panorama);
 
 /// Fills what no view measured by the plane that seven tenths of its border lie on: mirrors, glass
 /// and black things in a wall return no light, and people before them are keyed by the wall's
-/// depth. Panorama::views stays 0 there. Adds them to Panorama::flat_holes.
+/// depth. Panorama::views stays 0 there. Adds those that nothing filled before to
+/// Panorama::flat_holes.
 void fill_flat_holes(Panorama& panorama);
 
 }  // namespace mixrig::model
