@@ -30,6 +30,7 @@ TEST(Stability, HandEye) { run(add_hand_eye_cases); }
 TEST(Stability, PanTiltChain) { run(add_pan_tilt_cases); }
 TEST(Stability, Constellation) { run(add_constellation_cases); }
 TEST(Stability, Lamps) { run(add_lamp_cases); }
+TEST(Stability, Shading) { run(add_shading_cases); }
 TEST(Stability, Exposures) { run(add_exposure_cases); }
 #ifdef MIXRIG_EXTRA_MAP
 TEST(Stability, PlaceOfAMap) { run(add_map_place_cases); }

@@ -25,6 +25,7 @@ std::vector<Case> all_cases() {
   add_pan_tilt_cases(cases);
   add_constellation_cases(cases);
   add_lamp_cases(cases);
+  add_shading_cases(cases);
   add_exposure_cases(cases);
 #ifdef MIXRIG_EXTRA_MAP
   add_map_place_cases(cases);

@@ -19,6 +19,7 @@ void add_hand_eye_cases(std::vector<Case>& cases);
 void add_pan_tilt_cases(std::vector<Case>& cases);
 void add_constellation_cases(std::vector<Case>& cases);
 void add_lamp_cases(std::vector<Case>& cases);
+void add_shading_cases(std::vector<Case>& cases);
 void add_exposure_cases(std::vector<Case>& cases);
 void add_map_place_cases(std::vector<Case>& cases);  ///< of the extra "map"
 void add_people_cases(std::vector<Case>& cases);     ///< of the extra "people"

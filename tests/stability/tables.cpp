@@ -41,10 +41,16 @@ struct Span {
   }
 };
 
-/// Results of one estimator over the cases that it must answer and those that it must refuse.
+std::string range_of(const Span& span, int digits) {
+  if (span.low > span.high) return "-";
+  return fmt::format("{:.{}f} .. {:.{}f}", span.low, digits, span.high, digits);
+}
+
+/// Results of one estimator over the cases that it must answer and those that it must refuse. Where
+/// no case has a bound, the robust ones, which must be answered too, take their place.
 struct Sum {
-  int to_answer = 0, outside = 0, to_refuse = 0, refused = 0, trials = 0;
-  Span over_bound, nees, micros;
+  int to_answer = 0, robust = 0, outside = 0, to_refuse = 0, refused = 0, trials = 0;
+  Span over_bound, nees, micros, robust_nees, robust_micros;
   double off_reference = 0;
 
   void add(const Row& row) {
@@ -52,6 +58,10 @@ struct Sum {
       ++to_refuse;
       refused += row.refused;
       trials += row.ok + row.weak + row.refused;
+    }
+    if (row.expect == Expect::kRobust) {
+      ++robust;
+      robust_nees.add(row.nees), robust_micros.add(row.micros);
     }
     if (row.expect != Expect::kAnswer) return;
     ++to_answer;
@@ -98,12 +108,15 @@ std::string to_summary(const Report& report) {
     Sum& sum = known == sums.end() ? sums.emplace_back(row.estimator, Sum{}).second : known->second;
     sum.add(row);
   }
-  for (const auto& [name, s] : sums)
-    text += fmt::format(
-        "| `{}` | {} | {:.2f} .. {:.2f} | {:.2f} .. {:.2f} | {} | {:.0e} | {} of {} ({} cases) | "
-        "{:.0f} .. {:.0f} |\n",
-        name, s.to_answer, s.over_bound.low, s.over_bound.high, s.nees.low, s.nees.high, s.outside,
-        s.off_reference, s.refused, s.trials, s.to_refuse, s.micros.low, s.micros.high);
+  for (const auto& [name, s] : sums) {
+    const bool has_bound = s.to_answer > 0;
+    text += fmt::format("| `{}` | {} | {} | {} | {} | {} | {} of {} ({} cases) | {} |\n", name,
+                        has_bound ? s.to_answer : s.robust, range_of(s.over_bound, 2),
+                        range_of(has_bound ? s.nees : s.robust_nees, 2),
+                        has_bound ? std::to_string(s.outside) : "-",
+                        has_bound ? fmt::format("{:.0e}", s.off_reference) : "-", s.refused,
+                        s.trials, s.to_refuse, range_of(has_bound ? s.micros : s.robust_micros, 0));
+  }
   return text;
 }
 

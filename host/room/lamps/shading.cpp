@@ -11,6 +11,7 @@
 #include "hal/base/srgb.h"
 #include "host/math/estimation/decompositions.h"
 #include "host/math/geometry/lamp.h"
+#include "host/room/lamps/lit_places.h"
 
 namespace mixrig::lights {
 namespace {
@@ -19,126 +20,10 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr int kDarkest = 8, kBrightest = 248;  ///< grey levels that are measured
-constexpr double kOnPlane_m = 0.015, kOnPlaneSigmas = 2.5, kSameNormal = 0.94;
-constexpr int kLeastSamples = 60, kLeastOfPlane = 30;
+constexpr int kLeastSamples = 60;
 constexpr int kRoundsOfFit = 30;
 constexpr double kTukey = 4.7;
-constexpr int kPanelSide = 3;
 constexpr double kMostSigma = 0.3;  ///< of the sum of the intensities
-
-/// A place on a large plane.
-struct LitPlace {
-  int plane = 0;
-  Vector3d linear;          ///< measured light
-  Eigen::RowVectorXd gain;  ///< of each lamp's intensity, then 1 for the ambient light
-};
-
-/// Calls use(point) for the points of a panel as lamps, or for a lamp without direction itself.
-template <typename Use>
-void each_panel_point(const geometry::Lamp& lamp, const Use& use) {
-  if (!lamp.direction) {
-    use(lamp);
-    return;
-  }
-  const geometry::PanelAxes axes = geometry::panel_axes(*lamp.direction);
-  geometry::Lamp point = lamp;
-  for (int i = 0; i < kPanelSide; ++i)
-    for (int j = 0; j < kPanelSide; ++j) {
-      const double u = (i + 0.5) / kPanelSide - 0.5, v = (j + 0.5) / kPanelSide - 0.5;
-      point.position_m =
-          lamp.position_m + u * lamp.size_m.x() * axes.u + v * lamp.size_m.y() * axes.v;
-      use(point);
-    }
-}
-
-/// Irradiance of a lamp like irradiance_of(), with occlusion of the panel by the room.
-double seen_irradiance(const RoomSurfaces& room, const geometry::Lamp& lamp,
-                       const Vector3d& position_m, const Vector3d& normal) {
-  const Vector3d start = position_m + 0.01 * normal;
-  double sum = 0;
-  int count = 0;
-  each_panel_point(lamp, [&](const geometry::Lamp& point) {
-    ++count;
-    const double light = geometry::irradiance(point, position_m, normal);
-    if (light > 0 && room.open(start, point.position_m)) sum += light;
-  });
-  return sum / count;
-}
-
-/// The plane of a surface point: its index, or -1.
-int plane_of(const RoomSurfaces& room, const SurfacePoint& point) {
-  const geometry::Pose base_from_world = geometry::inverse(room.world_from_base());
-  const Vector3d p = base_from_world * point.position_m;
-  const Vector3d normal = base_from_world.rotation * point.normal;
-  const double gate_m = std::max(kOnPlane_m, kOnPlaneSigmas * point.sigma_m);
-  for (std::size_t i = 0; i < room.planes().size(); ++i) {
-    const Vector3d& inverse = room.planes()[i].inverse_per_m;
-    const double off_m = (inverse.dot(p) - 1) / inverse.norm();
-    if (std::abs(off_m) < gate_m && -normal.dot(inverse.normalized()) > kSameNormal)
-      return static_cast<int>(i);
-  }
-  return -1;
-}
-
-std::optional<Vector3d> color_at(const model::Panorama& p, int x, int y) {
-  const int factor = p.color.width() / p.distance_m.width();
-  Vector3d sum = Vector3d::Zero();
-  for (int j = 0; j < factor; ++j)
-    for (int i = 0; i < factor; ++i) {
-      const Rgb8 c = p.color.at(factor * x + i, factor * y + j);
-      if (std::max({c.r, c.g, c.b}) > kBrightest || std::min({c.r, c.g, c.b}) < kDarkest) return {};
-      const auto& linear = linear_of_srgb_bytes();
-      sum += Vector3d(linear[c.r], linear[c.g], linear[c.b]);
-    }
-  return sum / (factor * factor);
-}
-
-std::vector<LitPlace> lit_places(const RoomSurfaces& room, std::span<const FoundLamp> lamps,
-                                 int most) {
-  const model::Panorama& p = room.panorama();
-  const Size size = p.size();
-  // Evenly over the sphere, some of them on planes.
-  const double step_rad = std::sqrt(4 * kPi / (2.0 * most));
-  std::vector<LitPlace> places;
-  const auto lamp_count = static_cast<Eigen::Index>(lamps.size());
-  for (double elevation = -kPi / 2 + step_rad; elevation < kPi / 2; elevation += step_rad) {
-    const double across = std::cos(elevation);
-    const int columns = std::max(1, static_cast<int>(2 * kPi * across / step_rad));
-    const int y =
-        std::clamp(static_cast<int>((kPi / 2 - elevation) / kPi * size.height), 0, size.height - 1);
-    for (int k = 0; k < columns; ++k) {
-      const int x = static_cast<int>((k + 0.5) / columns * size.width);
-      const auto point = p.views.at(x, y) > 0 ? room.at(x, y) : std::nullopt;
-      const int plane = point ? plane_of(room, *point) : -1;
-      const auto color = plane >= 0 ? color_at(p, x, y) : std::nullopt;
-      if (!color) continue;
-      LitPlace place{plane, *color, Eigen::RowVectorXd::Ones(lamp_count + 1)};
-      const Vector3d normal =
-          -(room.world_from_base().rotation *
-            room.planes()[static_cast<std::size_t>(plane)].inverse_per_m.normalized());
-      for (Eigen::Index l = 0; l < lamp_count; ++l)
-        place.gain[l] =
-            seen_irradiance(room, lamps[static_cast<std::size_t>(l)], point->position_m, normal);
-      places.push_back(std::move(place));
-    }
-  }
-  return places;
-}
-
-/// Leaves out planes with few places, and numbers the others anew. Returns their count.
-int keep_large_planes(std::vector<LitPlace>& places) {
-  std::vector<int> count(256), number(256, -1);
-  for (const LitPlace& p : places) ++count[static_cast<std::size_t>(p.plane)];
-  int planes = 0;
-  for (std::size_t i = 0; i < count.size(); ++i)
-    if (count[i] >= kLeastOfPlane) number[i] = planes++;
-  std::erase_if(places, [&](LitPlace& p) {
-    p.plane = number[static_cast<std::size_t>(p.plane)];
-    return p.plane < 0;
-  });
-  return planes;
-}
 
 /// Minimises x^T a x / 2 - b^T x over x >= 0, by coordinates.
 VectorXd not_negative(const MatrixXd& a, const VectorXd& b, VectorXd x) {
@@ -213,6 +98,33 @@ void light_equations(const std::vector<LitPlace>& places, const std::vector<doub
     }
 }
 
+/// Sum over the parts of the sphere of g g^T, where g is the gradient of a part: errors that a part
+/// shares, such as a patch of another colour, count once and not by its places (Liang and Zeger
+/// 1986).
+MatrixXd shared_gradients(const std::vector<LitPlace>& places, const std::vector<double>& measured,
+                          const Fit& fit) {
+  const Eigen::Index n = fit.light.size(), planes = fit.albedo.size();
+  MatrixXd cross = MatrixXd::Zero(n, planes), of_part = MatrixXd::Zero(n, kLitParts);
+  VectorXd own = VectorXd::Zero(planes), off = VectorXd::Zero(planes);
+  const auto each = [&](const auto& use) {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const LitPlace& p = places[i];
+      const double light = fitted(fit, p), albedo = fit.albedo[p.plane];
+      if (light > 0 && albedo > 0)
+        use(p, fit.weight[i], VectorXd(p.gain.transpose() / light),
+            measured[i] / (albedo * light) - 1);
+    }
+  };
+  each([&](const LitPlace& p, double w, const VectorXd& row, double e) {
+    cross.col(p.plane) += w * row, own[p.plane] += w, off[p.plane] += w * e;
+  });
+  each([&](const LitPlace& p, double w, const VectorXd& row, double e) {
+    const double left = e - off[p.plane] / own[p.plane];
+    of_part.col(p.part) += w * left * (row - cross.col(p.plane) / own[p.plane]);
+  });
+  return of_part * of_part.transpose();
+}
+
 /// Fixes the scale, which the data do not determine, by the sum of the intensities.
 void hold_scale(const Fit& fit, MatrixXd& a, VectorXd& b) {
   const double sum = fit.light.head(fit.light.size() - 1).sum();
@@ -251,16 +163,6 @@ std::vector<double> channel_of(const std::vector<LitPlace>& places, const Vector
 
 }  // namespace
 
-double irradiance_of(const geometry::Lamp& lamp, const Vector3d& position_m,
-                     const Vector3d& normal) {
-  double sum = 0;
-  int count = 0;
-  each_panel_point(lamp, [&](const geometry::Lamp& point) {
-    sum += geometry::irradiance(point, position_m, normal), ++count;
-  });
-  return sum / count;
-}
-
 estimation::Estimate<RoomLight> measure_light(const RoomSurfaces& room,
                                               std::span<const FoundLamp> lamps,
                                               const ShadingOptions& options) {
@@ -286,8 +188,10 @@ estimation::Estimate<RoomLight> measure_light(const RoomSurfaces& room,
   const double relative = all.spread / sum;
   if (!(spectrum.values[0] > std::pow(relative / kMostSigma, 2)))
     return Answer::degenerate("the lamps light the planes alike, or hardly at all");
-  answer.covariance = relative * relative * spectrum.axes *
-                      spectrum.values.cwiseInverse().asDiagonal() * spectrum.axes.transpose();
+  const MatrixXd inverse =
+      spectrum.axes * spectrum.values.cwiseInverse().asDiagonal() * spectrum.axes.transpose();
+  answer.covariance = relative * relative * inverse +
+                      inverse * shared_gradients(places, brightness, all) * inverse / (sum * sum);
   RoomLight& light = answer.value;
   light.samples = static_cast<int>(places.size()), light.planes = planes;
   light.residual = all.spread;
