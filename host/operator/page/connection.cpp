@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include <boost/asio/post.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
@@ -25,6 +26,7 @@ constexpr std::uint32_t kMostHeader = 8 << 10;
 constexpr std::size_t kMostBuffer = 64 << 10;
 constexpr auto kMostIdle = std::chrono::seconds(30);
 constexpr auto kMostDrain = std::chrono::seconds(2);
+constexpr int kMostWaits = 4;  ///< an answer takes one turn of the loop, a stream keeps its place
 constexpr auto kMostUploadTime = std::chrono::seconds(120);
 
 Method method_of(http::verb verb) {
@@ -117,9 +119,12 @@ void Connection::on_header(beast::error_code error) {
   if (const auto visit = first_visit(hub_.guard, request)) return send(*visit, has_body());
   if (const auto refused = refuse(hub_.guard, request)) return send(*refused, has_body());
   admitted_ = place_.admit();
+  if (!admitted_ && waits_++ < kMostWaits)
+    return boost::asio::post(hub_.io, [self = shared_from_this()] { self->on_header({}); });
   if (!admitted_)
     return send(refusal(503, "16 connections of this address are in use: close another page"),
                 true);
+  waits_ = 0;
   if (request.method == Method::kGet && has_body())
     return send(refusal(400, "a GET has no body"), true);
   serve(request);

@@ -24,6 +24,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Connection(Hub& hub, boost::asio::ip::tcp::socket socket);
   ~Connection();
   void read_header();
+  /// False once its place was given to another one.
+  bool is_open() const { return stream_.socket().is_open(); }
 
  private:
   void on_header(boost::beast::error_code error);
@@ -40,6 +42,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   boost::beast::tcp_stream stream_;
   Visitors::Place place_;
   bool admitted_ = false;  ///< a request was permitted
+  int waits_ = 0;          ///< turns of the loop in which a request waited for a place
   boost::beast::flat_buffer buffer_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::empty_body>> header_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> body_;

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <boost/asio/ip/address.hpp>
 #include <boost/asio/ip/host_name.hpp>
@@ -32,6 +33,7 @@ namespace {
 
 constexpr auto kTellEvery = std::chrono::milliseconds(200);
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);
+constexpr int kMostAcceptedAtOnce = 256;
 
 std::string host_text(const asio::ip::address& address) {
   const std::string text = address.is_unspecified() ? asio::ip::host_name() : address.to_string();
@@ -98,6 +100,7 @@ struct Server::Impl {
   Result<void> open(const Listen& listen);
   Result<void> open_osc(const Listen& listen);
   void accept();
+  void accept_waiting(std::shared_ptr<Connection> first);
   void accept_later();
   void tell_later();
   Result<void> open_guard(const Listen& listen, bool loopback);
@@ -121,6 +124,7 @@ Result<void> Server::Impl::open(const Listen& listen) {
   if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
   if (!error) acceptor.bind(wanted, error);
   if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (!error) acceptor.non_blocking(true, error);
   if (error)
     return system_error(ErrorCode::kIo,
                         "cannot serve the page at " + listen.address + ":" +
@@ -170,9 +174,24 @@ void Server::Impl::accept() {
   acceptor.async_accept([this](boost::system::error_code error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
     if (error) return accept_later();
-    std::make_shared<Connection>(hub, std::move(socket))->read_header();
+    accept_waiting(std::make_shared<Connection>(hub, std::move(socket)));
     accept();
   });
+}
+
+/// Accepts what waits behind `first`, and serves those that still have a place then: a host that
+/// opens connections faster than they are served would fill the kernel's queue, behind which the
+/// others wait.
+void Server::Impl::accept_waiting(std::shared_ptr<Connection> first) {
+  std::vector<std::shared_ptr<Connection>> came{std::move(first)};
+  for (int i = 0; i < kMostAcceptedAtOnce; ++i) {
+    boost::system::error_code none;
+    tcp::socket socket = acceptor.accept(none);
+    if (none) break;
+    came.push_back(std::make_shared<Connection>(hub, std::move(socket)));
+  }
+  for (const auto& connection : came)
+    if (connection->is_open()) connection->read_header();
 }
 
 /// Accepts again after a pause. Where no file descriptor is free, a waiting connection would fail

@@ -84,7 +84,7 @@ Result<void> check_buffers(const Json& root, const fs::path& folder) {
     const auto named = buffer->find("uri");
     const std::string uri = named != buffer->end() ? word_of(*named, 1000) : std::string();
     if (uri.empty() || uri.starts_with("data:")) continue;
-    if (file_inside((folder / decoded(uri)).string(), folder).empty())
+    if (file_of_uri(uri, folder).empty())
       return bad_gltf("needs the file '" + uri.substr(0, 200) +
                       "', which is not in its folder: copy it there, or export as .glb");
   }
@@ -126,6 +126,10 @@ std::string picture_format_of(const std::string& extension) {
   return {};
 }
 
+fs::path file_of_uri(const std::string& uri, const fs::path& folder) {
+  return file_inside((folder / decoded(uri)).string(), folder);
+}
+
 fs::path file_inside(const std::string& name, const fs::path& folder) {
   std::error_code error;
   const fs::path root = fs::weakly_canonical(folder, error);
@@ -135,14 +139,15 @@ fs::path file_inside(const std::string& name, const fs::path& folder) {
   return fs::is_regular_file(file, error) ? file : fs::path();
 }
 
-Result<std::vector<std::string>> check_declared(std::span<const std::uint8_t> json,
+Result<std::vector<std::string>> check_declared(std::string_view brief,
+                                                std::span<const std::uint8_t> json,
                                                 std::span<const std::uint8_t> bin,
                                                 const fs::path& folder) {
-  const Json root = Json::parse(json.begin(), json.end(), nullptr, false);
+  const Json root = Json::parse(brief, nullptr, false);
   if (!root.is_object()) {
     const auto first =
-        std::find_if(json.begin(), json.end(), [](std::uint8_t c) { return c > ' '; });
-    if (first != json.end() && *first == '{')
+        std::find_if(brief.begin(), brief.end(), [](unsigned char c) { return c > ' '; });
+    if (first != brief.end() && *first == '{')
       return bad_gltf("is cut short or damaged: export it again");
     return bad_gltf("is no glTF file: use .gltf or .glb");
   }
@@ -151,9 +156,7 @@ Result<std::vector<std::string>> check_declared(std::span<const std::uint8_t> js
     if (!is_one_of(kReadExtensions, name))
       return bad_gltf("needs the extension " + name + ": export without it");
   MIXRIG_TRY(check_buffers(root, folder));
-  TexelCount texels;
-  texels.add_buffered(root, bin);
-  if (texels.is_too_many()) return too_many_texels();
+  MIXRIG_TRY(check_pictures(root, json, bin, folder));
   return drawn_without(root);
 }
 

@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 30;
 constexpr int kMaxNesting = 64;
+constexpr std::size_t kMaxValues = std::size_t{2} << 20;
 constexpr std::size_t kGlbHeaderBytes = 20;
 
 bool is_glb(std::span<const std::uint8_t> bytes) {
@@ -39,24 +40,36 @@ std::size_t end_of_text(std::span<const std::uint8_t> json, std::size_t at) {
 }
 
 /// Checks what parsers would take stack and memory for: nesting, since tinygltf parses it by
-/// recursion, and the pictures in its texts.
-Result<void> check_json(std::span<const std::uint8_t> json) {
+/// recursion, values, of which it keeps some hundred bytes each, and the pictures in texts. Returns
+/// the JSON in which the position of its first letter stands for each text "data:...": "data:17".
+Result<std::string> brief_json(std::span<const std::uint8_t> json) {
+  const std::string_view text(reinterpret_cast<const char*>(json.data()), json.size());
   int depth = 0;
+  std::size_t values = 0;
   TexelCount texels;
+  std::string brief;
+  std::size_t copied = 0;
   for (std::size_t i = 0; i < json.size(); ++i) {
     const std::uint8_t c = json[i];
     if (c == '"') {
       const std::size_t end = end_of_text(json, i + 1);
-      texels.add_text({reinterpret_cast<const char*>(json.data()) + i + 1, end - i - 1});
+      const std::string_view value(text.substr(i + 1, end - i - 1));
+      texels.add_text(value);
       if (texels.is_too_many()) return too_many_texels();
+      if (value.starts_with("data:")) {
+        brief.append(text.substr(copied, i - copied)).append("\"data:" + std::to_string(i + 1));
+        copied = end;
+      }
       i = end;
     } else if (c == '{' || c == '[') {
       if (++depth > kMaxNesting) return bad_gltf("its JSON is nested too deep");
     } else if (c == '}' || c == ']') {
       --depth;
+    } else if (c == ',' && ++values > kMaxValues) {
+      return bad_gltf("its JSON has more than 2 million values: simplify it");
     }
   }
-  return {};
+  return brief.append(text.substr(copied));
 }
 
 std::span<const std::uint8_t> json_of(std::span<const std::uint8_t> bytes) {
@@ -75,20 +88,33 @@ std::span<const std::uint8_t> bin_of(std::span<const std::uint8_t> bytes) {
   return begin < bytes.size() ? bytes.subspan(begin) : std::span<const std::uint8_t>();
 }
 
+/// Where the files of a model are read, and how many bytes of them may still be.
+struct Folder {
+  fs::path path;
+  std::uintmax_t left = kMaxFileBytes;
+  bool is_too_large = false;
+};
+
 bool exists(const std::string& name, void* folder) {
-  return !file_inside(name, *static_cast<fs::path*>(folder)).empty();
+  return !file_inside(name, static_cast<Folder*>(folder)->path).empty();
 }
 
 bool read_file(std::vector<unsigned char>* out, std::string* error, const std::string& name,
-               void* folder) {
-  const fs::path path = file_inside(name, *static_cast<fs::path*>(folder));
+               void* user) {
+  auto& folder = *static_cast<Folder*>(user);
+  const fs::path path = file_inside(name, folder.path);
   std::error_code size_error;
-  if (path.empty() || fs::file_size(path, size_error) > kMaxFileBytes || size_error) {
+  const std::uintmax_t size = path.empty() ? 0 : fs::file_size(path, size_error);
+  if (size > folder.left) folder.is_too_large = true;
+  if (path.empty() || size_error || size > folder.left) {
     *error = "not readable";
     return false;
   }
+  folder.left -= size;
+  out->resize(size);
   std::ifstream file(path, std::ios::binary);
-  out->assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+  file.read(reinterpret_cast<char*>(out->data()), static_cast<std::streamsize>(size));
+  out->resize(static_cast<std::size_t>(file.gcount()));
   return true;
 }
 
@@ -113,24 +139,25 @@ Error bad_gltf(const std::string& why) { return Error{ErrorCode::kFormat, why}; 
 
 Result<GltfFile> parse_gltf(std::span<const std::uint8_t> bytes, const fs::path& folder) {
   if (bytes.size() > kMaxFileBytes) return bad_gltf("larger than 1 GiB");
-  MIXRIG_TRY(check_json(json_of(bytes)));
+  MIXRIG_ASSIGN(const std::string brief, brief_json(json_of(bytes)));
   if (is_glb(bytes) && bytes[4] != 2) return bad_gltf("is glTF 1.0: export it as glTF 2.0");
   GltfFile file;
-  MIXRIG_ASSIGN(file.without, check_declared(json_of(bytes), bin_of(bytes), folder));
-  fs::path root = folder;
+  MIXRIG_ASSIGN(file.without, check_declared(brief, json_of(bytes), bin_of(bytes), folder));
+  Folder files{folder};
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(keep_picture, &file.pictures);
   loader.SetFsCallbacks(
-      {exists, [](const std::string& name, void*) { return name; }, read_file, nullptr, &root});
+      {exists, [](const std::string& name, void*) { return name; }, read_file, nullptr, &files});
   std::string error, warning;
   const auto size = static_cast<unsigned>(bytes.size());
   try {
     const bool parsed =
         is_glb(bytes) ? loader.LoadBinaryFromMemory(&file.gltf, &error, &warning, bytes.data(),
-                                                    size, root.string())
+                                                    size, folder.string())
                       : loader.LoadASCIIFromString(&file.gltf, &error, &warning,
                                                    reinterpret_cast<const char*>(bytes.data()),
-                                                   size, root.string());
+                                                   size, folder.string());
+    if (files.is_too_large) return bad_gltf("its files have more than 1 GiB: make them smaller");
     if (!parsed) return damaged_gltf();
   } catch (const std::bad_alloc&) {
     throw;

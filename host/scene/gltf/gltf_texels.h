@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string_view>
 
@@ -23,12 +24,16 @@ class TexelCount {
   void add(std::span<const std::uint8_t> picture);
   /// Adds the picture of a text "data:image/...;base64,..."; other texts add nothing.
   void add_text(std::string_view text);
-  /// Adds the pictures of a parsed file that lie in the buffer of a .glb, `bin`.
-  void add_buffered(const nlohmann::json& root, std::span<const std::uint8_t> bin);
   bool is_too_many() const { return texels_ > kMaxTexels; }
 
  private:
   std::size_t texels_ = 0;
 };
+
+/// Counts the pictures of a parsed file that lie in files of `folder` or in a buffer: in `bin`, the
+/// buffer of a .glb, in a text of `json` ("data:17" where it begins at 17) or in a file. Returns
+/// too_many_texels() or that there are too many pictures.
+Result<void> check_pictures(const nlohmann::json& root, std::span<const std::uint8_t> json,
+                            std::span<const std::uint8_t> bin, const std::filesystem::path& folder);
 
 }  // namespace mixrig::scene

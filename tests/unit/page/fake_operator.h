@@ -40,6 +40,8 @@ class FakeOperator final : public Operator {
     const std::lock_guard lock(mutex_);
     return commands_;
   }
+  /// Until the lock ends, state() waits, and with it the server's thread.
+  std::unique_lock<std::mutex> hold() const { return std::unique_lock(mutex_); }
   void set(const State& state) {
     const std::lock_guard lock(mutex_);
     state_ = state;

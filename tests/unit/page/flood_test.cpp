@@ -5,11 +5,15 @@
 #include <chrono>
 #include <cstdio>
 #include <deque>
+#include <memory>
+#include <mutex>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "host/operator/page/server.h"
+#include "host/operator/page/visitors.h"
 #include "tests/support/progress.h"
 #include "tests/unit/page/fake_operator.h"
 #include "tests/unit/page/raw_client.h"
@@ -82,6 +86,54 @@ TEST(PageServerFlood, EveryRequestOfTheOperatorIsAnswered) {
     std::printf("%zu connections of one host: the slowest of %d requests took %.1f ms\n",
                 flood.opened(), 2 * kRequests, slowest.count());
   }
+}
+
+/// Connections that come while the server is at work with another request, each with a request.
+class PageServerBusy : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    server_ = Server::start(run_, orders_, clock_, {"127.0.0.1", 0});
+    ASSERT_TRUE(server_);
+    held_ = run_.hold();
+    open(INADDR_LOOPBACK, 1);
+  }
+  void open(std::uint32_t host, int count) {
+    for (int i = 0; i < count; ++i)
+      clients_.emplace_back((*server_)->port(), 0, host)
+          .send("GET /api/v1/view HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  }
+  /// Lets the server go on, and returns the status of each answer; 0: ended without one.
+  std::vector<int> statuses() {
+    held_.unlock();
+    std::vector<int> list;
+    for (RawClient& client : clients_) list.push_back(client.response().status);
+    return list;
+  }
+
+ private:
+  SystemClock clock_;
+  FakeOperator run_;
+  std::atomic<bool> stop_ = false;
+  output::RunOrders orders_{stop_};
+  Result<std::unique_ptr<Server>> server_ = std::unique_ptr<Server>();
+  std::unique_lock<std::mutex> held_;
+  std::deque<RawClient> clients_;
+};
+
+TEST_F(PageServerBusy, FewConnectionsOfAHostAreServedBeforeTheNextOne) {
+  open(kFloodingHost, 400);
+  open(INADDR_LOOPBACK, 1);
+  const std::vector<int> statuses = this->statuses();
+  EXPECT_EQ(statuses.front(), 200);
+  EXPECT_EQ(statuses.back(), 200);
+  EXPECT_LE(std::count(statuses.begin(), statuses.end(), 200),
+            3 * static_cast<int>(Visitors::kMostGuests));
+}
+
+/// More than an address may have at work at once.
+TEST_F(PageServerBusy, RequestsThatComeTogetherWaitForEachOther) {
+  open(INADDR_LOOPBACK, 30);
+  EXPECT_EQ(statuses(), std::vector<int>(31, 200));
 }
 
 }  // namespace

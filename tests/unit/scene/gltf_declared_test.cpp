@@ -35,14 +35,17 @@ class GltfDeclared : public ::testing::Test {
     return load_gltf(folder_.write(name, bytes));
   }
   Result<std::vector<std::string>> without(const std::string& json) {
-    return check_declared({reinterpret_cast<const std::uint8_t*>(json.data()), json.size()}, {},
-                          folder_.path());
+    return check_declared(json, {}, {}, folder_.path());
   }
   test::TemporaryFolder folder_;
 };
 
 /// The header of a PNG of 16384 x 16384 pixels; two are more than a model may have.
 constexpr const char* kLargePng = "iVBORw0KGgoAAAANSUhEUgAAQAAAAEAACAIAAAAmqofTAAAAAElEQVQ1rwYe";
+
+/// The same header behind the letter '7'.
+constexpr const char* kSeventhAndLargePng =
+    "N4lQTkcNChoKAAAADUlIRFIAAEAAAABAAAgCAAAAJqqH0wAAAABJREFUNa8GHg==";
 
 TEST_F(GltfDeclared, PicturesAreCountedBeforeTheFileIsParsed) {
   const std::string picture = std::string("{\"uri\":\"data:image/png;base64,") + kLargePng + "\"}";
@@ -81,6 +84,49 @@ TEST_F(GltfDeclared, PicturesInTheBufferAreCountedBeforeItIsParsed) {
   EXPECT_TRUE(test::refused(load(file(R"([{"bufferView":0},{"bufferView":1},{"bufferView":2},
                                           {"bufferView":-1},5])")),
                             {"damaged"}));
+}
+
+/// The JSON ends too early, or the last file is missing, which only the parser would say.
+TEST_F(GltfDeclared, PicturesInFilesAndInTextsOfBuffersAreCountedBeforeTheyAreParsed) {
+  const std::string png = test::hand_png(16384, 16384, 8, 2, "");
+  folder_.write("large map.png", png);
+  folder_.write("b.bin", "1234567" + png);
+  const auto file = [&](const std::string& buffer, const std::string& images) {
+    return R"({"asset":{"version":"2.0"},"buffers":[)" + buffer +
+           R"(],"bufferViews":[{"buffer":0,"byteOffset":7,"byteLength":57},
+        {"buffer":0,"byteOffset":9999,"byteLength":57},{"buffer":1}],"images":[)" +
+           images + R"(],"nodes":5})";
+  };
+  const std::string two = R"({"bufferView":0},{"bufferView":0})";
+  const std::string none = R"({"bufferView":1},{"bufferView":2},{"uri":"none.png"},{"uri":5})";
+  const std::string text =
+      R"({"byteLength":64,"uri":"data:application/octet-stream;base64,MTIzNDU2)" +
+      std::string(kSeventhAndLargePng) + "\"}";
+  const std::string named = R"({"byteLength":64,"uri":"b.bin"})";
+  for (const std::string& buffer : {text, named}) {
+    EXPECT_TRUE(test::refused(load(file(buffer, two), "m.gltf"), {"more than 268 million"}));
+    EXPECT_TRUE(test::refused(load(file(buffer, none), "m.gltf"), {"damaged"}));
+  }
+  const std::string picture = R"({"uri":"large%20map.png"})";
+  EXPECT_TRUE(test::refused(load(file(named, picture + "," + picture), "m.gltf"),
+                            {"more than 268 million"}));
+  EXPECT_TRUE(test::refused(load(file(named, picture), "m.gltf"), {"damaged"}));
+}
+
+TEST_F(GltfDeclared, PicturesValuesAndBytesOfFilesHaveLimits) {
+  const auto many = [](const char* one, int count) {
+    std::string list = one;
+    for (int i = 1; i < count; ++i) list += std::string(",") + one;
+    return list;
+  };
+  EXPECT_TRUE(test::refused(load(declared(R"(,"images":[)" + many("{}", 4097) + "]")),
+                            {"has more than 4096 pictures"}));
+  EXPECT_TRUE(test::refused(load(declared(R"(,"extras":[)" + many("0", (2 << 20) + 1) + "]")),
+                            {"more than 2 million values"}));
+  folder_.write("one.png", "1");
+  std::filesystem::resize_file(folder_.write("rest.png", "1"), std::uintmax_t{1} << 30);
+  EXPECT_TRUE(test::refused(load(declared(R"(,"images":[{"uri":"one.png"},{"uri":"rest.png"}])")),
+                            {"files have more than 1 GiB"}));
 }
 
 TEST_F(GltfDeclared, OnlyRequiredExtensionsThatAreReadPass) {

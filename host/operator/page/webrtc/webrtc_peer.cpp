@@ -43,25 +43,21 @@ constexpr const char* kDescription =
 
 using ListenerPtr = std::shared_ptr<WebrtcListener>;
 
-/// A listener, and the element that it listens to, as user data of a callback.
-struct Call {
-  ListenerPtr listener;
-  take::GstElementPtr element;
-};
-Call* new_call(const ListenerPtr& listener, GstElement* element = nullptr) {
-  take::GstElementPtr held;
-  if (element != nullptr) held.reset(GST_ELEMENT(gst_object_ref(element)));
-  return new Call{listener, std::move(held)};
-}
-void delete_call(gpointer call) { delete static_cast<Call*>(call); }
-void delete_call_of_signal(gpointer call, GClosure*) { delete_call(call); }
+void delete_listener(gpointer listener, GClosure*) { delete static_cast<ListenerPtr*>(listener); }
 
-/// Connects a signal whose user data is a Call without the element, which would hold itself.
+/// Connects a signal whose user data is the listener.
 void listen_to(gpointer object, const char* signal, GCallback callback, const ListenerPtr& to) {
-  g_signal_connect_data(object, signal, callback, new_call(to), delete_call_of_signal,
+  g_signal_connect_data(object, signal, callback, new ListenerPtr(to), delete_listener,
                         static_cast<GConnectFlags>(0));
 }
 
+struct DeletePromise {
+  void operator()(GstPromise* promise) const { gst_promise_unref(promise); }
+};
+using Promise = std::unique_ptr<GstPromise, DeletePromise>;
+
+/// Waits for what was asked of the peer, and returns why it failed; empty: it is done. A peer that
+/// ends meanwhile would keep its ports for ever (GStreamer 1.22).
 std::string error_of(GstPromise* promise) {
   if (gst_promise_wait(promise) != GST_PROMISE_RESULT_REPLIED) return "it ended";
   const GstStructure* const reply = gst_promise_get_reply(promise);
@@ -73,28 +69,23 @@ std::string error_of(GstPromise* promise) {
   return why;
 }
 
-void on_answer_taken(GstPromise* promise, gpointer data) {
-  const std::string why = error_of(promise);
-  gst_promise_unref(promise);
-  if (!why.empty()) static_cast<Call*>(data)->listener->fail(why);
-}
-
-void on_offer_made(GstPromise* promise, gpointer data) {
-  Call* const call = static_cast<Call*>(data);
+/// Makes an offer and takes it as the local description: candidates are gathered then.
+std::string make_offer(GstElement* peer) {
+  const Promise made(gst_promise_new()), taken(gst_promise_new());
+  g_signal_emit_by_name(peer, "create-offer", nullptr, made.get());
+  if (std::string why = error_of(made.get()); !why.empty()) return why;
   GstWebRTCSessionDescription* offer = nullptr;
-  const std::string why = error_of(promise);
-  if (why.empty())
-    gst_structure_get(gst_promise_get_reply(promise), "offer", GST_TYPE_WEBRTC_SESSION_DESCRIPTION,
-                      &offer, nullptr);
-  gst_promise_unref(promise);
-  if (offer == nullptr) return call->listener->fail("no offer: " + why);
-  g_signal_emit_by_name(call->element.get(), "set-local-description", offer, nullptr);
+  gst_structure_get(gst_promise_get_reply(made.get()), "offer", GST_TYPE_WEBRTC_SESSION_DESCRIPTION,
+                    &offer, nullptr);
+  if (offer == nullptr) return "none was made";
+  g_signal_emit_by_name(peer, "set-local-description", offer, taken.get());
   gst_webrtc_session_description_free(offer);
+  return error_of(taken.get());
 }
 
 /// Called when the local description has its candidate.
 void on_gathered(GstElement* peer, GParamSpec*, gpointer data) {
-  WebrtcListener& listener = *static_cast<Call*>(data)->listener;
+  WebrtcListener& listener = **static_cast<ListenerPtr*>(data);
   GstWebRTCICEGatheringState state = GST_WEBRTC_ICE_GATHERING_STATE_NEW;
   g_object_get(peer, "ice-gathering-state", &state, nullptr);
   if (state != GST_WEBRTC_ICE_GATHERING_STATE_COMPLETE || listener.offered) return;
@@ -112,9 +103,9 @@ void on_connection(GstElement* peer, GParamSpec*, gpointer data) {
   GstWebRTCPeerConnectionState state = GST_WEBRTC_PEER_CONNECTION_STATE_NEW;
   g_object_get(peer, "connection-state", &state, nullptr);
   if (state == GST_WEBRTC_PEER_CONNECTION_STATE_FAILED)
-    static_cast<Call*>(data)->listener->fail("the browser cannot be reached");
+    (*static_cast<ListenerPtr*>(data))->fail("the browser cannot be reached");
   if (state == GST_WEBRTC_PEER_CONNECTION_STATE_CLOSED)
-    static_cast<Call*>(data)->listener->fail("the browser has ended it");
+    (*static_cast<ListenerPtr*>(data))->fail("the browser has ended it");
 }
 
 /// Restricts the peer to one address and UDP.
@@ -193,9 +184,8 @@ Result<std::shared_ptr<WebrtcPeer>> WebrtcPeer::create(const std::string& addres
   listen_to(peer.get(), "notify::ice-gathering-state", G_CALLBACK(on_gathered), listener);
   listen_to(peer.get(), "notify::connection-state", G_CALLBACK(on_connection), listener);
   MIXRIG_TRY(pipeline.play());
-  g_signal_emit_by_name(
-      peer.get(), "create-offer", nullptr,
-      gst_promise_new_with_change_func(on_offer_made, new_call(listener, peer.get()), delete_call));
+  if (const std::string why = make_offer(peer.get()); !why.empty())
+    return Error{ErrorCode::kIo, "WebRTC: no offer: " + why};
   return std::shared_ptr<WebrtcPeer>(new WebrtcPeer(std::unique_ptr<Graph>(
       new Graph{std::move(pipeline), std::move(peer), std::move(source), std::move(listener)})));
 }
@@ -206,10 +196,10 @@ void WebrtcPeer::take(const WebrtcAnswer& answer) {
     return graph_->listener->fail("the answer cannot be read");
   GstWebRTCSessionDescription* const description =
       gst_webrtc_session_description_new(GST_WEBRTC_SDP_TYPE_ANSWER, message);
-  g_signal_emit_by_name(
-      graph_->peer.get(), "set-remote-description", description,
-      gst_promise_new_with_change_func(on_answer_taken, new_call(graph_->listener), delete_call));
+  const Promise taken(gst_promise_new());
+  g_signal_emit_by_name(graph_->peer.get(), "set-remote-description", description, taken.get());
   gst_webrtc_session_description_free(description);
+  if (const std::string why = error_of(taken.get()); !why.empty()) graph_->listener->fail(why);
 }
 
 std::optional<std::uint32_t> WebrtcPeer::put(ImageView<const Rgb8> picture, HostTime now) {
