@@ -17,7 +17,7 @@ namespace {
 constexpr int kHoldOutEvery = 4;
 constexpr double kKnotStep_m = 0.06;  // an 80 MHz camera's error has a period of 0.47 m
 constexpr double kStretchWarned = 0.012, kStretchRefused = 0.03;
-constexpr double kBlurWarned_px = 3;
+constexpr double kBlurWarned_px = 3, kFarWarned_m = 1;
 constexpr int kPixelSteps = 10, kStepsFromNear = 3;
 constexpr double kBendSigmas = 5, kLeastBend_m = 2e-4;
 
@@ -294,6 +294,12 @@ Result<void> check_result(const RigData& data, RigReport& report) {
   if (report.depth && std::abs(report.depth->stretch) > kStretchWarned)
     report.warnings.push_back("depth differs by " + percent(report.depth->stretch) +
                               " of the distance: measure the board's square again");
+  for (const calibration_file::CalibratedPose& pose : report.calibration.poses)
+    if (const double away_m = pose.target_from.translation_m.norm(); away_m > kFarWarned_m)
+      report.warnings.push_back(
+          fmt::format("the cameras \"{}\" and \"{}\" stand {:.2f} m apart: if that is wrong, "
+                      "measure the board's square and correct square_mm in views.toml",
+                      report.model.cameras[0].name, pose.name, away_m));
   if (data.blur_px > kBlurWarned_px)
     report.warnings.push_back("some views are blurred: hold the board still, and in focus");
   for (std::size_t c = 0; c < report.corner_px.size(); ++c)
