@@ -2,6 +2,7 @@
 // The board as one camera sees it in one view.
 #include "host/calibrate/rig/board_render.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/LU>
@@ -13,18 +14,22 @@ constexpr double kEdge = 0.12;  // squares at the board's border that are left o
 constexpr int kRayStep_px = 4;  // rays are linear in between, then corrected where it matters
 constexpr double kSquareVar = 1.0 / 12;  // variance of a pixel's own square
 
+struct Box {
+  int x0 = 0, y0 = 0, x1 = -1, y1 = -1;
+};
+
 /// Rays of a grid of pixels inside a rectangle, linear in between.
 class Rays {
  public:
-  Rays(const RigCamera& camera, int x0, int y0, int x1, int y1)
-      : x0_(x0), y0_(y0), columns_((x1 - x0) / kRayStep_px + 2) {
+  Rays(const RigCamera& camera, const Box& box)
+      : x0_(box.x0), y0_(box.y0), columns_((box.x1 - box.x0) / kRayStep_px + 2) {
     const auto lens = geometry::make_camera(camera.lens, camera.size_px, camera.parameters);
-    const int rows = (y1 - y0) / kRayStep_px + 2;
+    const int rows = (box.y1 - box.y0) / kRayStep_px + 2;
     rays_.resize(static_cast<std::size_t>(columns_) * rows, Eigen::Vector3d::Zero());
     for (int j = 0; j < rows; ++j)
       for (int i = 0; i < columns_; ++i) {
-        const auto ray = geometry::unproject(lens, {x0 + kRayStep_px * static_cast<double>(i),
-                                                    y0 + kRayStep_px * static_cast<double>(j)});
+        const auto ray = geometry::unproject(lens, {x0_ + kRayStep_px * static_cast<double>(i),
+                                                    y0_ + kRayStep_px * static_cast<double>(j)});
         if (!ray) continue;
         const bool pinhole = camera.lens == geometry::LensKind::kPinhole;
         rays_[static_cast<std::size_t>(j) * columns_ + i] = pinhole ? *ray / ray->z() : *ray;
@@ -51,22 +56,23 @@ class Rays {
 bool meet(const Scene& scene, const Eigen::Vector3d& ray, Eigen::Vector2d& uv) {
   const Eigen::Vector3d d = scene.board_from_camera * ray;
   if (!(d.z() > 1e-9)) return false;  // only the front is visible
+  const bool flat = scene.model.bend.isZero();
   double w = 0;
   for (int i = 0; i < 3; ++i) {
     const double t = (w - scene.eye.z()) / d.z();
     if (!(t > 0)) return false;
     const Eigen::Vector3d p = scene.eye + t * d;
     uv = p.head<2>() / scene.model.square_m;
-    if (scene.model.bend.isZero()) break;
+    if (flat) break;
     w = board_point(scene.model, scene.print.columns, scene.print.rows, uv).p_m.z();
   }
-  return uv.x() > kEdge && uv.y() > kEdge && uv.x() < scene.print.columns - kEdge &&
-         uv.y() < scene.print.rows - kEdge;
+  return true;
 }
 
-struct Box {
-  int x0 = 0, y0 = 0, x1 = -1, y1 = -1;
-};
+bool is_on_board(const BoardPrint& print, const Eigen::Vector2d& uv) {
+  return uv.x() > kEdge && uv.y() > kEdge && uv.x() < print.columns - kEdge &&
+         uv.y() < print.rows - kEdge;
+}
 
 /// Pixels that the board may cover.
 Box covered(const Scene& scene) {
@@ -89,6 +95,24 @@ Box covered(const Scene& scene) {
   return {std::max(0, static_cast<int>(low.x()) - 1), std::max(0, static_cast<int>(low.y()) - 1),
           std::min(size.width - 1, static_cast<int>(high.x()) + 2),
           std::min(size.height - 1, static_cast<int>(high.y()) + 2)};
+}
+
+Box box_of(const std::vector<BoardPixel>& pixels) {
+  Box box{pixels[0].x, pixels.front().y, pixels[0].x, pixels.back().y};
+  for (const BoardPixel& p : pixels) box.x0 = std::min(box.x0, p.x), box.x1 = std::max(box.x1, p.x);
+  return box;
+}
+
+/// Terms of the light at a place on the board.
+LightRow light_at(const Scene& scene, const Eigen::Vector2d& uv, bool own_light) {
+  const double a = 2 * uv.x() / scene.print.columns - 1, b = 2 * uv.y() / scene.print.rows - 1;
+  LightRow light;
+  light << 1, a, b, a * a, a * b, b * b;
+  if (!own_light) return light;
+  const Eigen::Vector3d p =
+      board_point(scene.model, scene.print.columns, scene.print.rows, uv).p_m - scene.eye;
+  const double d = p.norm();
+  return light * (std::abs(p.z()) / (d * d * d));
 }
 
 /// Ink under a pixel at an edge; moves uv to the pixel's exact place.
@@ -130,41 +154,50 @@ bool project_board_point(const Scene& scene, const Eigen::Vector2d& uv,
   return true;
 }
 
-std::vector<Sample> render(const Scene& scene, bool own_light) {
-  std::vector<Sample> samples;
+std::vector<BoardPixel> pixels_on_board(const Scene& scene) {
+  std::vector<BoardPixel> pixels;
   const Box box = covered(scene);
-  if (box.x1 < box.x0 || box.y1 < box.y0) return samples;
-  const Rays rays(scene.camera, box.x0, box.y0, box.x1, box.y1);
-  const double reach_px = 4.5 * std::sqrt(scene.camera.blur_px * scene.camera.blur_px + kSquareVar);
-  for (int y = box.y0; y <= box.y1; ++y) {
-    Eigen::Vector2d before(0, 0), above(0, 0);
-    bool has_before = false;
+  if (box.x1 < box.x0 || box.y1 < box.y0) return pixels;
+  const Rays rays(scene.camera, box);
+  Eigen::Vector2d uv;
+  for (int y = box.y0; y <= box.y1; ++y)
     for (int x = box.x0; x <= box.x1; ++x) {
       const Eigen::Vector3d ray = rays.at(x, y);
-      Sample s;
-      s.x = x, s.y = y;
-      if (ray.isZero() || !meet(scene, ray, s.uv)) {
-        has_before = false;
-        continue;
-      }
-      if (!has_before && !meet(scene, rays.at(std::max(x - 1, box.x0), y), before)) before = s.uv;
-      if (!meet(scene, rays.at(x, std::max(y - 1, box.y0)), above)) above = s.uv;
-      const Eigen::Vector2d reach =
-          reach_px * ((s.uv - before).cwiseAbs() + (s.uv - above).cwiseAbs()).cwiseMax(1e-4);
-      before = s.uv, has_before = true;
-      s.edge = !is_plain(scene.print, s.uv, reach, s.ink);
-      if (s.edge && !render_edge(scene, s)) continue;
-      const double a = 2 * s.uv.x() / scene.print.columns - 1;
-      const double b = 2 * s.uv.y() / scene.print.rows - 1;
-      s.light << 1, a, b, a * a, a * b, b * b;
-      if (own_light) {
-        const Eigen::Vector3d p =
-            board_point(scene.model, scene.print.columns, scene.print.rows, s.uv).p_m - scene.eye;
-        const double d = p.norm();
-        s.light *= std::abs(p.z()) / (d * d * d);
-      }
-      samples.push_back(s);
+      if (!ray.isZero() && meet(scene, ray, uv) && is_on_board(scene.print, uv))
+        pixels.push_back({x, y});
     }
+  return pixels;
+}
+
+std::vector<Sample> render(const Scene& scene, const std::vector<BoardPixel>& pixels,
+                           bool own_light) {
+  std::vector<Sample> samples;
+  if (pixels.empty()) return samples;
+  const Box box = box_of(pixels);
+  const Rays rays(scene.camera, box);
+  const double reach_px = 4.5 * std::sqrt(scene.camera.blur_px * scene.camera.blur_px + kSquareVar);
+  // The last place on the board in each column, and its row; column 0 lies left of the box.
+  struct Place {
+    int y = -1;
+    Eigen::Vector2d uv;
+  };
+  std::vector<Place> places(static_cast<std::size_t>(box.x1 - box.x0 + 2));
+  samples.reserve(pixels.size());
+  for (const auto& [x, y] : pixels) {
+    const Eigen::Vector3d ray = rays.at(x, y);
+    Sample s;
+    s.x = x, s.y = y;
+    if (ray.isZero() || !meet(scene, ray, s.uv)) continue;
+    Place* const place = &places[static_cast<std::size_t>(x - box.x0 + 1)];
+    Eigen::Vector2d reach(0, 0);
+    if (place[-1].y == y) reach += (s.uv - place[-1].uv).cwiseAbs();
+    if (place->y == y - 1) reach += (s.uv - place->uv).cwiseAbs();
+    reach = reach_px * reach.cwiseMax(1e-4);
+    *place = {y, s.uv};
+    s.edge = !is_plain(scene.print, s.uv, reach, s.ink);
+    if (s.edge && !render_edge(scene, s)) continue;
+    s.light = light_at(scene, s.uv, own_light);
+    samples.push_back(s);
   }
   return samples;
 }

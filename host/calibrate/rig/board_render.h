@@ -44,8 +44,16 @@ struct ProjectedBoardPoint {
 bool project_board_point(const Scene& scene, const Eigen::Vector2d& uv,
                          ProjectedBoardPoint& projected);
 
-/// Renders all pixels on the board. With `own_light` the lamp is next to the lens, as in a depth
-/// camera: light falls off with the square of the distance and with the cosine.
-std::vector<Sample> render(const Scene& scene, bool own_light);
+struct BoardPixel {
+  int x = 0, y = 0;
+};
+/// Pixels on the board, row by row, without those at its border.
+std::vector<BoardPixel> pixels_on_board(const Scene& scene);
+
+/// Renders pixels that are given row by row; those that do not meet the board are left out. With
+/// `own_light` the lamp is next to the lens, as in a depth camera: light falls off with the square
+/// of the distance and with the cosine.
+std::vector<Sample> render(const Scene& scene, const std::vector<BoardPixel>& pixels,
+                           bool own_light);
 
 }  // namespace mixrig::calibration

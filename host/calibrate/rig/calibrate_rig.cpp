@@ -17,7 +17,8 @@ namespace {
 constexpr int kHoldOutEvery = 4;
 constexpr double kKnotStep_m = 0.06;  // an 80 MHz camera's error has a period of 0.47 m
 constexpr double kStretchWarned = 0.012, kStretchRefused = 0.03;
-constexpr double kBlurWarned_px = 3;
+constexpr double kBlurWarned_px = 3, kFarWarned_m = 1;
+constexpr int kPixelSteps = 10, kStepsFromNear = 3;
 constexpr double kBendSigmas = 5, kLeastBend_m = 2e-4;
 
 class Stopwatch {
@@ -156,7 +157,8 @@ DepthCurve empty_curve(const RigData& data, const RigModel& model, const std::ve
   return curve;
 }
 
-SolveReport solve_pixels(RigModel& model, const std::vector<int>& views, bool bend,
+/// `first_steps`: most steps of the first round.
+SolveReport solve_pixels(RigModel& model, const std::vector<int>& views, bool bend, int first_steps,
                          PixelTerms& terms, Crew& crew) {
   SolveReport report;
   // The first round's scatter includes errors of the corner step, the second's only the pictures'
@@ -164,7 +166,8 @@ SolveReport solve_pixels(RigModel& model, const std::vector<int>& views, bool be
   for (int round = 0; round < 2; ++round) {
     terms.weigh(model, views, crew);
     const RigLayout layout = layout_of(model, {true, bend, model.depth.knots_m.size() > 1});
-    SolveOptions options{10, 0.1, Eigen::VectorXd::Zero(layout.count)};
+    SolveOptions options{round == 0 ? first_steps : kPixelSteps, 0.1,
+                         Eigen::VectorXd::Zero(layout.count)};
     if (layout.depth >= 0)  // a piece of the curve that no view reaches stays where it is
       options.prior.segment(layout.depth, static_cast<Eigen::Index>(model.depth.knots_m.size()))
           .setConstant(1e4);
@@ -180,7 +183,7 @@ SolveReport refine_by_pixels(const RigData& data, const Split& split, bool bend,
   RigModel& model = report.model;
   if (has_depth(data)) judged.depth = empty_curve(data, model, split.all);
   if (!split.held.empty()) {
-    solve_pixels(judged, split.fitted, bend, terms, crew);
+    solve_pixels(judged, split.fitted, bend, kPixelSteps, terms, crew);
     // All views start from that fit: its lens and mounting are close, the other views' poses are
     // not.
     model.cameras = judged.cameras;
@@ -192,7 +195,8 @@ SolveReport refine_by_pixels(const RigData& data, const Split& split, bool bend,
       if (poses[view]) model.target_from_board[view] = *poses[view];
   }
   model.depth = judged.depth;
-  const SolveReport solved = solve_pixels(model, split.all, bend, terms, crew);
+  const int first_steps = split.held.empty() ? kPixelSteps : kStepsFromNear;
+  const SolveReport solved = solve_pixels(model, split.all, bend, first_steps, terms, crew);
   for (std::size_t c = 0; c < model.cameras.size(); ++c)
     report.grey_rms.push_back(terms.grey_rms(static_cast<int>(c)));
   return solved;
@@ -290,6 +294,12 @@ Result<void> check_result(const RigData& data, RigReport& report) {
   if (report.depth && std::abs(report.depth->stretch) > kStretchWarned)
     report.warnings.push_back("depth differs by " + percent(report.depth->stretch) +
                               " of the distance: measure the board's square again");
+  for (const calibration_file::CalibratedPose& pose : report.calibration.poses)
+    if (const double away_m = pose.target_from.translation_m.norm(); away_m > kFarWarned_m)
+      report.warnings.push_back(
+          fmt::format("the cameras \"{}\" and \"{}\" stand {:.2f} m apart: if that is wrong, "
+                      "measure the board's square and correct square_mm in views.toml",
+                      report.model.cameras[0].name, pose.name, away_m));
   if (data.blur_px > kBlurWarned_px)
     report.warnings.push_back("some views are blurred: hold the board still, and in focus");
   for (std::size_t c = 0; c < report.corner_px.size(); ++c)

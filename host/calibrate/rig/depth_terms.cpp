@@ -154,7 +154,7 @@ std::vector<DepthSample> depth_samples(const BoardPrint& print, const Pictures& 
     const Scene scene = make_scene(model, print, camera, view);
     const Size size = scene.camera.size_px;
     std::map<std::array<int, 3>, DepthSample> patches;
-    for (const Sample& s : render(scene, true)) {
+    for (const Sample& s : render(scene, pixels_on_board(scene), true)) {
       const double depth_m = seen.depth_m.at(s.x, s.y);
       if (depth_m <= 0) continue;
       // Separately by colour; a far board has hardly a pixel without an edge.

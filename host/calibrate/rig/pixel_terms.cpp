@@ -93,11 +93,11 @@ void PixelTerms::weigh(const RigModel& model, const std::vector<int>& views, Cre
       Weights& w = weights_[view][c];
       if (seen.picture.empty()) continue;
       const Scene scene = make_scene(model, print_, c, view);
-      const auto samples = render(scene, !seen.depth_m.empty());
+      w.pixels = pixels_on_board(scene);
+      const auto samples = render(scene, w.pixels, !seen.depth_m.empty());
       if (static_cast<long>(samples.size()) < kLeastPixels) continue;
       const LightFit fit = solve_light(samples, seen.picture);
       w.grey = fit.sigma;
-      w.pixels = static_cast<long>(samples.size());
       w.contrast = std::abs(samples[samples.size() / 2].light.dot(fit.light.head<kLight>() -
                                                                   fit.light.tail<kLight>()));
       w.used = fit.share > kLeastShare;
@@ -116,7 +116,7 @@ ViewTerm PixelTerms::sums(const RigModel& model, const RigLayout& layout, int vi
     if (!w.used) continue;
     const ViewPictures& seen = pictures_[view][c];
     const Scene scene = make_scene(model, print_, c, view);
-    const auto samples = render(scene, !seen.depth_m.empty());
+    const auto samples = render(scene, w.pixels, !seen.depth_m.empty());
     if (static_cast<long>(samples.size()) < kLeastPixels) continue;
     const CameraColumns at = columns_of(scene.camera, 2 * kLight);
     // The sum without light has its residual where light began.
@@ -142,7 +142,7 @@ double PixelTerms::grey_rms(int camera) const {
   for (const auto& view : weights_) {
     const Weights& w = view[static_cast<std::size_t>(camera)];
     if (!w.used) continue;
-    const auto n = static_cast<double>(w.pixels);
+    const auto n = static_cast<double>(w.pixels.size());
     squares += n * std::pow(w.grey / w.contrast, 2), pixels += n;
   }
   return pixels > 0 ? std::sqrt(squares / pixels) : 0;

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "host/calibrate/rig/board_texture.h"
+#include "host/calibrate/rig/board_render.h"
 #include "host/calibrate/rig/normal_equations.h"
 #include "host/calibrate/rig/rig_model.h"
 #include "host/calibrate/rig/view_set.h"
@@ -45,9 +45,9 @@ class PixelTerms {
 
   struct Weights {
     bool used = false;
-    double grey = 0, contrast = 0;  ///< standard deviation of grey, and paper - ink
-    double paper_m = 0, ink_m = 0;  ///< standard deviation of depth on paper and on ink
-    long pixels = 0;
+    double grey = 0, contrast = 0;   ///< standard deviation of grey, and paper - ink
+    double paper_m = 0, ink_m = 0;   ///< standard deviation of depth on paper and on ink
+    std::vector<BoardPixel> pixels;  ///< on the board in the start model
   };
 
  private:

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include <fmt/format.h>
+
 namespace mixrig::calibration_file {
 namespace {
 
@@ -16,6 +18,7 @@ using geometry::LensKind;
 
 constexpr Range kSide{1, 16384}, kFocal{1, 1e6}, kCenter{-1e5, 1e5}, kLens{-1e9, 1e9};
 constexpr Range kPlace_m{-1e6, 1e6}, kResidual_px{0, 1e6}, kCount{0, 1e9};
+constexpr double kMostAway_m = 10;  // of two cameras of one rig
 constexpr Range kVignetting{-3, 3}, kMaxAngle_rad{0.01, M_PI};
 
 std::vector<double> row_by_row(const Eigen::MatrixXd& matrix) {
@@ -159,6 +162,11 @@ CalibratedPose parse_calibrated_pose(const Table& table, const std::string& name
   CalibratedPose pose;
   pose.name = name;
   pose.target_from = parse_pose(table);
+  const double away_m = pose.target_from.translation_m.norm();
+  if (away_m > kMostAway_m)
+    table.fail("translation_m", fmt::format("puts the cameras {:.0f} m apart, which one rig cannot "
+                                            "be: give it in metres, not in millimetres",
+                                            away_m));
   pose.covariance = parse_square(table, "covariance", 6);
   pose.residual_px = table.number_or("residual_px", 0, kResidual_px);
   pose.views = table.integer_or("views", 0, kCount);

@@ -31,7 +31,7 @@ geometry::CameraModel parse_pinhole(const config::Table& table);
 /// absent or wrong; errors are noted in the document.
 geometry::Pose parse_pose(const config::Table& table);
 /// Reads what parse_pose() reads, and the optional covariance, residual_px, views, date,
-/// tool_version and input_hash.
+/// tool_version and input_hash. Cameras more than 10 m apart are an error.
 CalibratedPose parse_calibrated_pose(const config::Table& table, const std::string& name);
 
 /// Returns the table that parse_camera() reads back as the same model. Keys that equal their

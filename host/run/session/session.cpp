@@ -196,8 +196,28 @@ geometry::Pinhole resized(const geometry::Pinhole& view, Size size) {
           (view.cy_px + 0.5) * sy - 0.5};
 }
 
+namespace {
+
+/// Warns of a depth camera that hardly anybody mounts so far from the colour camera.
+void check_mounting(const capture::SourceInfo& info) {
+  constexpr double kFar_m = 1;
+  const auto check = [&](const char* camera, const geometry::Pose& target_from) {
+    const double away_m = target_from.translation_m.norm();
+    if (away_m > kFar_m)
+      log_warning("session",
+                  fmt::format("{}: the cameras \"target\" and \"{}\" stand {:.2f} m apart: if "
+                              "that is wrong, correct translation_m, which is in metres",
+                              info.name, camera, away_m));
+  };
+  check("tof", info.target_from_tof);
+  if (info.tof2) check("tof2", info.tof2->target_from_tof);
+}
+
+}  // namespace
+
 Result<render::CompositorSetup> setup_of(const capture::SourceInfo& info,
                                          std::optional<Size> view_size) {
+  check_mounting(info);
   render::CompositorSetup setup;
   setup.lens_moves = info.lens != nullptr;
   setup.target = info.target, setup.vignetting = info.vignetting;

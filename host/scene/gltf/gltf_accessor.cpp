@@ -2,8 +2,11 @@
 // glTF 2.0, section 3.6: accessors.
 #include "host/scene/gltf/gltf_accessor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <optional>
 
 namespace mixrig::scene {
 namespace {
@@ -49,6 +52,51 @@ Result<Elements> elements_of(const tinygltf::Model& gltf, int index, int type) {
                   accessor.componentType, accessor.normalized};
 }
 
+template <typename T>
+float whole_number(const std::uint8_t* from, bool normalized) {
+  const auto value = static_cast<float>(load<T>(from));
+  return normalized ? std::max(value / static_cast<float>(std::numeric_limits<T>::max()), -1.0F)
+                    : value;
+}
+
+/// Component `c` of an element: a float, or a byte or short as KHR_mesh_quantization has them;
+/// unset for other types.
+std::optional<float> component(const Elements& in, const std::uint8_t* element, std::size_t c) {
+  switch (in.component_type) {
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+      return load<float>(element + 4 * c);
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return whole_number<std::int8_t>(element + c, in.normalized);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return whole_number<std::uint8_t>(element + c, in.normalized);
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return whole_number<std::int16_t>(element + 2 * c, in.normalized);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return whole_number<std::uint16_t>(element + 2 * c, in.normalized);
+    default:
+      return std::nullopt;
+  }
+}
+
+template <int N>
+Result<std::vector<Eigen::Matrix<float, N, 1>>> read_vectors(const tinygltf::Model& gltf,
+                                                             int accessor, int type) {
+  MIXRIG_ASSIGN(const Elements in, elements_of(gltf, accessor, type));
+  std::vector<Eigen::Matrix<float, N, 1>> out(in.count);
+  for (std::size_t i = 0; i < in.count; ++i)
+    for (int c = 0; c < N; ++c) {
+      const auto value = component(in, in.data + i * in.stride, static_cast<std::size_t>(c));
+      if (!value)
+        return bad_gltf("accessor " + std::to_string(accessor) +
+                        " holds neither floats nor bytes nor shorts");
+      if (!std::isfinite(*value))
+        return bad_gltf("accessor " + std::to_string(accessor) +
+                        " holds a value that is not finite");
+      out[i][c] = *value;
+    }
+  return out;
+}
+
 }  // namespace
 
 Result<std::span<const std::uint8_t>> view_bytes(const tinygltf::Model& gltf, int index) {
@@ -66,65 +114,17 @@ Result<std::span<const std::uint8_t>> view_bytes(const tinygltf::Model& gltf, in
 }
 
 Result<std::vector<Eigen::Vector3f>> read_vec3(const tinygltf::Model& gltf, int accessor) {
-  MIXRIG_ASSIGN(const Elements in, elements_of(gltf, accessor, TINYGLTF_TYPE_VEC3));
-  if (in.component_type != TINYGLTF_COMPONENT_TYPE_FLOAT)
-    return bad_gltf("accessor " + std::to_string(accessor) + " does not hold floats");
-  std::vector<Eigen::Vector3f> out(in.count);
-  for (std::size_t i = 0; i < in.count; ++i)
-    for (int c = 0; c < 3; ++c) {
-      out[i][c] = load<float>(in.data + i * in.stride + 4 * static_cast<std::size_t>(c));
-      if (!std::isfinite(out[i][c]))
-        return bad_gltf("accessor " + std::to_string(accessor) +
-                        " holds a value that is not finite");
-    }
-  return out;
+  return read_vectors<3>(gltf, accessor, TINYGLTF_TYPE_VEC3);
 }
 
 Result<std::vector<Eigen::Vector2f>> read_vec2(const tinygltf::Model& gltf, int accessor) {
-  MIXRIG_ASSIGN(const Elements in, elements_of(gltf, accessor, TINYGLTF_TYPE_VEC2));
-  std::vector<Eigen::Vector2f> out(in.count);
-  for (std::size_t i = 0; i < in.count; ++i)
-    for (std::size_t c = 0; c < 2; ++c) {
-      const std::uint8_t* from = in.data + i * in.stride;
-      float value = 0;
-      if (in.component_type == TINYGLTF_COMPONENT_TYPE_FLOAT)
-        value = load<float>(from + 4 * c);
-      else if (in.normalized && in.component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE)
-        value = static_cast<float>(from[c]) / 255.0F;
-      else if (in.normalized && in.component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT)
-        value = static_cast<float>(load<std::uint16_t>(from + 2 * c)) / 65535.0F;
-      else
-        return bad_gltf("accessor " + std::to_string(accessor) +
-                        " has a type that texture coordinates cannot have");
-      if (!std::isfinite(value))
-        return bad_gltf("accessor " + std::to_string(accessor) +
-                        " holds a value that is not finite");
-      out[i][static_cast<int>(c)] = value;
-    }
-  return out;
+  return read_vectors<2>(gltf, accessor, TINYGLTF_TYPE_VEC2);
 }
 
 Result<std::vector<Eigen::Vector4f>> read_vec4(const tinygltf::Model& gltf, int accessor) {
-  MIXRIG_ASSIGN(const Elements in, elements_of(gltf, accessor, TINYGLTF_TYPE_VEC4));
-  std::vector<Eigen::Vector4f> out(in.count);
-  for (std::size_t i = 0; i < in.count; ++i)
-    for (std::size_t c = 0; c < 4; ++c) {
-      const std::uint8_t* from = in.data + i * in.stride;
-      float value = 0;
-      if (in.component_type == TINYGLTF_COMPONENT_TYPE_FLOAT)
-        value = load<float>(from + 4 * c);
-      else if (in.component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE)
-        value = static_cast<float>(from[c]) / (in.normalized ? 255.0F : 1.0F);
-      else if (in.component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT)
-        value = static_cast<float>(load<std::uint16_t>(from + 2 * c)) /
-                (in.normalized ? 65535.0F : 1.0F);
-      else
-        return bad_gltf("accessor " + std::to_string(accessor) +
-                        " has a type that joints and weights cannot have");
-      if (!(value >= 0) || !std::isfinite(value))
-        return bad_gltf("a joint or weight is negative or not finite");
-      out[i][static_cast<int>(c)] = value;
-    }
+  MIXRIG_ASSIGN(auto out, read_vectors<4>(gltf, accessor, TINYGLTF_TYPE_VEC4));
+  for (const Eigen::Vector4f& four : out)
+    if (!(four.minCoeff() >= 0)) return bad_gltf("a joint or weight is negative or not finite");
   return out;
 }
 

@@ -15,12 +15,11 @@ namespace mixrig::scene {
 /// Returns the bytes of a buffer view. Errors: kFormat if an index or a range is out of bounds.
 Result<std::span<const std::uint8_t>> view_bytes(const tinygltf::Model& gltf, int view);
 
-/// Reads a float VEC3 of finite values. Errors: kFormat, also for sparse accessors.
+/// Read vectors of finite floats, or of bytes or shorts, normalised or whole (joints, texture
+/// coordinates, KHR_mesh_quantization). Errors: kFormat, also for sparse accessors, and for a
+/// negative value of a VEC4, which holds joints or weights.
 Result<std::vector<Eigen::Vector3f>> read_vec3(const tinygltf::Model& gltf, int accessor);
-/// Reads a VEC2 of floats, or of normalised unsigned bytes or shorts. Errors: those of read_vec3().
 Result<std::vector<Eigen::Vector2f>> read_vec2(const tinygltf::Model& gltf, int accessor);
-/// Reads a VEC4 of floats, or of unsigned bytes or shorts, normalised or whole. Errors: those of
-/// read_vec3().
 Result<std::vector<Eigen::Vector4f>> read_vec4(const tinygltf::Model& gltf, int accessor);
 /// Reads a float MAT4. Errors: those of read_vec3().
 Result<std::vector<Eigen::Matrix4d>> read_mat4(const tinygltf::Model& gltf, int accessor);

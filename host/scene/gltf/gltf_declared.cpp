@@ -17,8 +17,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::array<std::string_view, 2> kReadExtensions{"KHR_materials_emissive_strength",
-                                                          "KHR_materials_specular"};
+constexpr std::array<std::string_view, 4> kReadExtensions{
+    "KHR_materials_emissive_strength", "KHR_materials_specular", "KHR_mesh_quantization",
+    "KHR_texture_transform"};
 /// Extensions that say nothing of the look.
 constexpr std::array<std::string_view, 3> kSilentExtensions{"KHR_xmp_json_ld", "KHR_xmp",
                                                             "KHR_materials_variants"};
@@ -91,26 +92,12 @@ Result<void> check_buffers(const Json& root, const fs::path& folder) {
   return {};
 }
 
-/// A mesh that is bent from the start by weights that are not 0.
-bool has_morph_weights(const Json& root) {
-  for (const char* key : {"meshes", "nodes"})
-    for (const Json* table : tables_in(root, key)) {
-      const Json weights = table->value("weights", Json());
-      if (weights.is_array() && std::any_of(weights.begin(), weights.end(), [](const Json& weight) {
-            return weight.is_number() && weight.get<double>() != 0;
-          }))
-        return true;
-    }
-  return false;
-}
-
 std::vector<std::string> drawn_without(const Json& root) {
   std::vector<std::string> without;
   for (const std::string& name : words_in(root, "extensionsUsed"))
     if (!is_one_of(kReadExtensions, name) && !is_one_of(kSilentExtensions, name) &&
         picture_format_of(name).empty())
       without.push_back(name);
-  if (has_morph_weights(root)) without.emplace_back("morph weights");
   std::sort(without.begin(), without.end());
   without.erase(std::unique(without.begin(), without.end()), without.end());
   return without;

@@ -3,7 +3,9 @@
 #include "host/scene/gltf/gltf_mesh.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
+#include <string>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -109,11 +111,30 @@ bool normalize(std::vector<Eigen::Vector3f>& normals) {
   return true;
 }
 
+/// Adds the morph targets of a primitive by their weights (glTF 2.0, 3.7.2.2).
+Result<void> apply_morph(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive,
+                         const std::vector<double>& weights, Mesh& mesh) {
+  const auto add = [&](const std::map<std::string, int>& target, const char* name, double weight,
+                       std::vector<Eigen::Vector3f>& to) -> Result<void> {
+    const auto found = target.find(name);
+    if (found == target.end() || to.empty()) return {};
+    MIXRIG_ASSIGN(const auto moves, read_vec3(gltf, found->second));
+    if (moves.size() != to.size()) return bad_gltf("a morph target and its mesh differ in length");
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] += static_cast<float>(weight) * moves[i];
+    return {};
+  };
+  for (std::size_t t = 0; t < std::min(weights.size(), primitive.targets.size()); ++t) {
+    if (weights[t] == 0) continue;
+    MIXRIG_TRY(add(primitive.targets[t], "POSITION", weights[t], mesh.positions_m));
+    MIXRIG_TRY(add(primitive.targets[t], "NORMAL", weights[t], mesh.normals));
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<Mesh> read_mesh(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive,
-                       const Eigen::Matrix4d& world, int uv_set,
-                       const std::vector<Eigen::Matrix4d>* joints) {
+                       const Placement& placement, int uv_set) {
   Mesh mesh;
   if (attribute(primitive, "POSITION") < 0)
     return bad_gltf("a primitive has no positions: export it again");
@@ -130,8 +151,9 @@ Result<Mesh> read_mesh(const tinygltf::Model& gltf, const tinygltf::Primitive& p
   if ((!mesh.normals.empty() && mesh.normals.size() != count) ||
       (uv_set >= 0 && mesh.uv.size() != count))
     return bad_gltf("the vertex attributes of a primitive differ in length");
-  if (joints != nullptr) MIXRIG_TRY(apply_skin(gltf, primitive, *joints, mesh));
-  move(mesh, object_from_gltf() * world);
+  MIXRIG_TRY(apply_morph(gltf, primitive, placement.morph_weights, mesh));
+  if (placement.joints != nullptr) MIXRIG_TRY(apply_skin(gltf, primitive, *placement.joints, mesh));
+  move(mesh, object_from_gltf() * placement.world);
   if (mesh.normals.empty() || !normalize(mesh.normals)) make_flat(mesh);
   return mesh;
 }

@@ -11,12 +11,18 @@
 
 namespace mixrig::scene {
 
-/// Reads the triangles of a primitive, transformed by `world` (glTF axes, 4x4 affine) and into
-/// object axes. `joints`, the matrices of its skin, place its vertices first; null: no skin. The
-/// caller sets material and texture; `uv_set` is the n of TEXCOORD_n, -1 for none. Errors: kFormat
-/// for points and lines, indices out of range, and invalid accessors.
+/// How a node places the vertices of its mesh.
+struct Placement {
+  Eigen::Matrix4d world = Eigen::Matrix4d::Identity();   ///< glTF axes, affine
+  const std::vector<Eigen::Matrix4d>* joints = nullptr;  ///< matrices of its skin; null: none
+  std::vector<double> morph_weights;                     ///< one a morph target, or none
+};
+
+/// Reads the triangles of a primitive, shaped by its morph targets, then by its joints, then moved
+/// by `placement.world` and into object axes. The caller sets material and texture; `uv_set` is the
+/// n of TEXCOORD_n, -1 for none. Errors: kFormat for points and lines, indices out of range, and
+/// invalid accessors.
 Result<Mesh> read_mesh(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive,
-                       const Eigen::Matrix4d& world, int uv_set,
-                       const std::vector<Eigen::Matrix4d>* joints = nullptr);
+                       const Placement& placement, int uv_set);
 
 }  // namespace mixrig::scene

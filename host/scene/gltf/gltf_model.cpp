@@ -3,6 +3,7 @@
 #include "host/scene/gltf/gltf_model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include "host/scene/gltf/gltf_accessor.h"
 #include "host/scene/gltf/gltf_declared.h"
 #include "host/scene/gltf/gltf_file.h"
+#include "host/scene/gltf/gltf_maps.h"
 #include "host/scene/gltf/gltf_mesh.h"
 #include "host/scene/gltf/gltf_skin.h"
 #include "host/scene/gltf/gltf_texels.h"
@@ -83,42 +85,34 @@ class ModelBuilder {
     if (skinned) {
       MIXRIG_ASSIGN(joints, joint_matrices(file_.gltf, node.skin));
     }
-    const Eigen::Matrix4d world = skinned ? Eigen::Matrix4d::Identity() : node_world;
+    Placement placement;
+    if (skinned)
+      placement.joints = &joints;
+    else
+      placement.world = node_world;
     if (static_cast<std::size_t>(index) >= file_.gltf.meshes.size())
       return bad_gltf("mesh " + std::to_string(index) + " does not exist");
-    for (const tinygltf::Primitive& primitive :
-         file_.gltf.meshes[static_cast<std::size_t>(index)].primitives) {
+    const tinygltf::Mesh& source = file_.gltf.meshes[static_cast<std::size_t>(index)];
+    placement.morph_weights = node.weights.empty() ? source.weights : node.weights;
+    if (!std::ranges::all_of(placement.morph_weights, [](double w) { return std::isfinite(w); }))
+      return bad_gltf("a morph weight is not finite");
+    for (const tinygltf::Primitive& primitive : source.primitives) {
       const tinygltf::Material material = material_of(primitive.material);
-      MIXRIG_ASSIGN(const int uv_set, uv_set_of(material));
+      MIXRIG_ASSIGN(const MapCoordinates coordinates, coordinates_of(material, name_of(material)));
+      const int uv_set = coordinates.set;
       if (uv_set >= 0 && primitive.attributes.count("TEXCOORD_" + std::to_string(uv_set)) == 0)
         return bad_gltf(
             name_of(material) +
             " has a picture, but a mesh that uses it has no texture coordinates: unwrap "
             "it, or remove the picture");
-      MIXRIG_ASSIGN(Mesh mesh,
-                    read_mesh(file_.gltf, primitive, world, uv_set, skinned ? &joints : nullptr));
+      MIXRIG_ASSIGN(Mesh mesh, read_mesh(file_.gltf, primitive, placement, uv_set));
       if (mesh.indices.empty()) continue;
+      for (Eigen::Vector2f& uv : mesh.uv) uv = coordinates.transform * uv.homogeneous();
       set_factors(material, mesh);
       MIXRIG_TRY(set_maps(material, mesh));
       model_.meshes.push_back(std::move(mesh));
     }
     return {};
-  }
-
-  /// Returns n of the TEXCOORD_n of a material's maps; -1 without any.
-  static Result<int> uv_set_of(const tinygltf::Material& material) {
-    int set = -1;
-    const auto add = [&](const auto& map) {
-      const bool other = map.index >= 0 && set >= 0 && map.texCoord != set;
-      if (map.index >= 0) set = map.texCoord;
-      return !other;
-    };
-    const auto& pbr = material.pbrMetallicRoughness;
-    if (add(pbr.baseColorTexture) && add(pbr.metallicRoughnessTexture) &&
-        add(material.normalTexture) && add(material.emissiveTexture))
-      return set;
-    return bad_gltf("the maps of " + name_of(material) +
-                    " use different texture coordinates: export them with one UV map");
   }
 
   static std::string name_of(const tinygltf::Material& material) {
@@ -215,7 +209,7 @@ class ModelBuilder {
       for (const auto& part : file_.gltf.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
         const auto position = part.attributes.find("POSITION");
         const std::size_t own = position == part.attributes.end() ? 0 : count_of(position->second);
-        vertices += std::clamp<std::size_t>(own, 1, kMaxVertices + 1);
+        vertices += std::clamp<std::size_t>(own, 1, kMaxVertices + 1) * (1 + part.targets.size());
         corners += std::min(part.indices < 0 ? own : count_of(part.indices), kMaxCorners + 1);
         if (vertices > kMaxVertices || corners > kMaxCorners)
           return bad_gltf("has more than 20 million vertices or triangles: simplify it");

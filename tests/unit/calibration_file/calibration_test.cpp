@@ -314,6 +314,20 @@ TEST(Tables, APoseIsAMatrixOrAQuaternion) {
             std::string::npos);
 }
 
+TEST(Tables, CamerasOfOneRigAreNotTensOfMetresApart) {
+  const auto error = [&](const char* place) {
+    return error_of(std::string("translation_m = ") + place + "\nrotation_xyzw = [0, 0, 0, 1]\n",
+                    [](const config::Table& t) { parse_calibrated_pose(t, "tof"); });
+  };
+  EXPECT_EQ(error("[-1.2, 0.3, 0.1]"), "");
+  EXPECT_NE(
+      error("[-52.0, 0.2, -0.3]")
+          .find("\"translation_m\": puts the cameras 52 m apart, which one rig cannot be: give "
+                "it in metres"),
+      std::string::npos)
+      << error("[-52.0, 0.2, -0.3]");
+}
+
 TEST(CalibrationFile, RefusesHostileText) {
   EXPECT_FALSE(parse_calibration("", "c"));
   EXPECT_FALSE(parse_calibration("- 1", "c"));

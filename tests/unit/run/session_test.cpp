@@ -30,6 +30,20 @@ TEST(Setup, RefusesAViewWithoutPixels) {
   }
 }
 
+TEST(Setup, WarnsOfCamerasAMetreApart) {
+  const test::BoxSource source(3, 6);
+  capture::SourceInfo info = source.info();
+  const auto said = [&](double away_m) {
+    info.target_from_tof.translation_m = {0, away_m, 0};
+    testing::internal::CaptureStderr();
+    EXPECT_TRUE(setup_of(info, std::nullopt));
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(said(0.3), "");
+  EXPECT_NE(said(1.3).find("cameras \"target\" and \"tof\" stand 1.30 m apart: if that is wrong"),
+            std::string::npos);
+}
+
 TEST(LearnBackground, FindsTheWallAndItsColour) {
   test::BoxSource source(5, 6);
   const auto setup = setup_of(source.info(), std::nullopt);

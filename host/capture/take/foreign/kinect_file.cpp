@@ -105,7 +105,7 @@ Result<void> read_kinect_file(const fs::path& source, ForeignTake& take) {
   MIXRIG_ASSIGN(const MappedFile file, MappedFile::open(source));
   take.told.kind = "a recording of an Azure Kinect or Orbbec camera";
   take.info.depth_unit_m = 0.001;
-  return named(source, read_contents(parse_contents(file.bytes()), take));
+  return named(source, file.if_whole(read_contents(parse_contents(file.bytes()), take)));
 }
 
 }  // namespace mixrig::take

@@ -206,7 +206,7 @@ bool is_ros_bag(const fs::path& source) {
 Result<void> read_ros_bag(const fs::path& source, ForeignTake& take) {
   MIXRIG_ASSIGN(const MappedFile file, MappedFile::open(source));
   take.told.kind = "a ROS 1 bag";
-  return named(source, read_bag(file.bytes(), take));
+  return named(source, file.if_whole(read_bag(file.bytes(), take)));
 }
 
 }  // namespace mixrig::take
