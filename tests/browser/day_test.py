@@ -153,7 +153,7 @@ def keeps_the_slate(page, rig):
     for number in (1, 2):
         comes_true("the count", lambda: by_id(page, "take-name").get_attribute("placeholder") == f"12A-3 take {number}")
         presses(page, "r")
-        comes_true("frames", lambda: rig.state()["recording"]["on"] and rig.state()["recording"]["seconds"] >= 2.5)
+        comes_true("frames", lambda: rig.state()["recording"]["on"] and rig.state()["recording"]["seconds"] >= 3)
         assert rig.state()["recording"]["name"] == f"12A-3 take {number}"
         presses(page, "r")
         comes_true("the end", lambda: len(rig.state()["takes"]) == number and not rig.state()["recording"]["on"])

@@ -74,11 +74,11 @@ void add_people_cases(std::vector<Case>& cases) {
   add("stands", Expect::kRobust, {});
   add("walks", Expect::kRobust, {.speed_m_s = 1});
   add("walks fast", Expect::kRobust, {.speed_m_s = 2});
-  add("10 Hz", Expect::kRobust, {.speed_m_s = 1, .rate_hz = 10});
+  add("10 Hz", Expect::kRobust, {.speed_m_s = 1, .rate_hz = 10, .frames = 15});
   add("60 Hz", Expect::kRobust, {.speed_m_s = 1, .rate_hz = 60, .frames = 60});
   add("without noise", Expect::kRobust, {.sigma_m = 0});
   add("3 cm of noise", Expect::kRobust, {.sigma_m = 0.03});
-  add("a child", Expect::kRobust, {.size = 0.65});
+  add("a child", Expect::kRobust, {.size = 0.75});
   add("5.5 m away", Expect::kRobust, {.away_m = 5.5});
   add("1 km from the origin", Expect::kRobust, {.speed_m_s = 1, .origin_m = {1e3, -1e3}});
   add("two frames", Expect::kRefusal, {.frames = 2});
