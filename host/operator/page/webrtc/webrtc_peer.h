@@ -33,7 +33,7 @@ class WebrtcPeer {
   WebrtcPeer(const WebrtcPeer&) = delete;
   WebrtcPeer& operator=(const WebrtcPeer&) = delete;
 
-  /// Takes the browser's answer, once. Errors that follow are passed to `tell`.
+  /// Takes the browser's answer, once, and waits until that is done. Errors are passed to `tell`.
   void take(const WebrtcAnswer& answer);
   /// Gives a picture to the encoder, without waiting. Returns its RTP time stamp (90 kHz, modulo
   /// 2^32), by which the browser identifies it; nullopt where the encoder did not take it. The
