@@ -14,18 +14,19 @@
 #include "host/capture/take/repair.h"
 #include "host/capture/take/take.h"
 #include "host/capture/take/take_source.h"
-#include "host/judge/measure/registration.h"
 #include "host/output/sheet/contact_sheet.h"
-#include "host/room/background/frame_views.h"
 #include "host/room/scan/room_file.h"
 #include "host/run/report/run_report.h"
 #include "host/run/session/session.h"
 #include "host/tools/command.h"
 #include "host/tools/info_depth.h"
+#include "host/tools/rig/registration_figures.h"
 #include "host/tools/room/info_room.h"
 
 namespace mixrig::tools {
 namespace {
+
+constexpr int kRegistrationFrames = 10;
 
 /// Depth statistics over frames spread through the take.
 struct DepthStatistics {
@@ -58,43 +59,6 @@ Result<DepthStatistics> depth_statistics(capture::CaptureSource& source) {
   out.median_m = measure::quantile(known_m, 0.5);
   out.farthest_m = measure::quantile(known_m, 0.99);
   return out;
-}
-
-/// Registration of depth and colour in frames spread through the take.
-Result<measure::Registration> registration_of(capture::CaptureSource& source) {
-  constexpr int kFrames = 10;
-  MIXRIG_ASSIGN(const render::CompositorSetup setup,
-                session::setup_of(source.info(), std::nullopt));
-  MIXRIG_ASSIGN(session::FrameViews views,
-                session::FrameViews::make(setup, {render::Backend::kCpu, 0}));
-  measure::RegistrationMeasure measure;
-  capture::Capture frame;
-  for (const int number : output::spread(1, source.info().frames, kFrames)) {
-    MIXRIG_TRY(source.read(number, frame));
-    MIXRIG_ASSIGN(const render::FrameOutput* const seen, views.of(frame));
-    measure.add(seen->warped_depth_m, seen->color);
-  }
-  return measure.result();
-}
-
-nlohmann::json registration_json(const measure::Registration& found) {
-  return {{"steps", found.steps},
-          {"median_px", found.median_px},
-          {"matched_share", found.matched_share},
-          {"right_px", found.right_px},
-          {"down_px", found.down_px},
-          {"outside_px", found.outside_px}};
-}
-
-void print(const measure::Registration& found) {
-  if (!found.known())
-    return (void)std::printf(
-        "  registered not known: depth steps and edges have no distance in common\n");
-  std::printf(
-      "  registered the plate's edges lie %.1f px from depth steps (median; %.0f %% of %d match): "
-      "%+.1f px to the right, %+.1f down, %+.1f outside\n",
-      found.median_px, 100 * found.matched_share, found.steps, found.right_px, found.down_px,
-      found.outside_px);
 }
 
 double field_deg(const geometry::Pinhole& p) {
@@ -203,14 +167,15 @@ Result<nlohmann::json> info_take(const std::string& folder, bool figures) {
   MIXRIG_ASSIGN(const take::TakeReader reader, take::TakeReader::open(folder));
   MIXRIG_ASSIGN(const auto source, take::open_take_source(folder));
   MIXRIG_ASSIGN(const DepthStatistics depth, depth_statistics(*source));
-  const auto registered = registration_of(*source);
+  const auto registered =
+      registration_of(*source, output::spread(1, source->info().frames, kRegistrationFrames));
   print(reader.info(), depth);
   nlohmann::json report = report_of(reader.info(), depth);
   if (figures) {
     MIXRIG_ASSIGN(report["depth_camera"], info_depth(*source));
   }
   if (!registered) return report;  // such as a take without a plate
-  print(*registered);
+  std::printf("  registered %s\n", registration_text(*registered).c_str());
   report["registration"] = registration_json(*registered);
   return report;
 }

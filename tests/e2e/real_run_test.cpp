@@ -111,5 +111,37 @@ TEST_F(RealRun, InfoMeasuresHowFarDepthStepsLieFromThePicturesEdges) {
   EXPECT_GE(median_px[1], 4.5);
 }
 
+/// The same recording as a rig, whose colour camera is where the driver says, and 12 px aside.
+TEST_F(RealRun, DiagWarnsOfDepthBesideWhatItBelongsTo) {
+  const std::string own =
+      std::string(std::getenv("MIXRIG_SOURCE") ? std::getenv("MIXRIG_SOURCE") : ".") +
+      "/tests/data/kinect1_turntable/take.toml";
+  std::string text = read_bytes(own);
+  for (const std::string table : {"[color]\n", "[depth]\n"})
+    text.insert(text.find(table) + table.size(), "rate_hz = 10.0\n");
+  std::filesystem::create_directory(path("timed"));
+  std::ofstream(path("timed") + "/take.toml") << text;
+  const std::string camera = "size_px = [640, 480]\nfx = 525.0\nfy = 525.0\ncy = 240.0\ncx = ";
+  const auto diag = [&](const std::string& take, const char* cx) {
+    std::ofstream(path("rig.toml"))
+        << "format = 1\nname = \"played\"\n[[camera]]\nname = \"target\"\nuri = \"take:" << take
+        << "/color\"\n[depth]\nuri = \"take:" << take << "/depth\"\n[target]\n"
+        << camera << cx << "\n[tof]\n"
+        << camera << "320.0\n[target_from_tof]\nrotation_xyzw = [0, 0, 0, 1]\n"
+        << "translation_m = [0, 0, 0]\n";
+    return "diag --no-move --watch 0.5 --rig " + path("rig.toml") + " --json " + path("diag.json");
+  };
+  std::vector<std::string> verdicts;
+  for (const char* cx : {"320.0", "332.0"}) {
+    ASSERT_EQ(mixrig(diag(path("timed"), cx)), 0);
+    const nlohmann::json told = report("diag.json");
+    for (const nlohmann::json& check : told.at("checks"))
+      if (check.at("check") == "registration") verdicts.push_back(check.at("verdict"));
+  }
+  EXPECT_EQ(verdicts, (std::vector<std::string>{"pass", "warn"}));
+  // Without a rate it cannot be played, which each of its devices says.
+  EXPECT_NE(refusal(diag(own, "320.0")).find("target open, depth open"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace mixrig::test

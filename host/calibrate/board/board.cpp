@@ -13,7 +13,8 @@ namespace {
 
 constexpr const char* kForms =
     "use checkerboard:COLUMNSxROWS:SQUARE, charuco:COLUMNSxROWS:SQUARE:MARKER:DICTIONARY or "
-    "aprilgrid:COLUMNSxROWS:TAG:GAP, lengths as 25mm";
+    "aprilgrid:COLUMNSxROWS:TAG:GAP[:FIRST], lengths as 25mm";
+constexpr int kTags = 587;  // of the dictionary 36h11
 
 std::vector<std::string_view> split(std::string_view text, char by) {
   std::vector<std::string_view> parts;
@@ -25,11 +26,11 @@ std::vector<std::string_view> split(std::string_view text, char by) {
   }
 }
 
-/// A whole number from 1 to 100.
-std::optional<int> parse_count(std::string_view word) {
+/// A whole number from `least` to `most`.
+std::optional<int> parse_count(std::string_view word, int least, int most) {
   int value = 0;
   const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (code != std::errc() || end != word.data() + word.size() || value < 1 || value > 100)
+  if (code != std::errc() || end != word.data() + word.size() || value < least || value > most)
     return std::nullopt;
   return value;
 }
@@ -62,9 +63,11 @@ Result<BoardSpec> parse_board(std::string_view text) {
     board.kind = BoardKind::kAprilgrid, count = 4;
   else if (parts[0] != "checkerboard")
     return bad("not a kind of board");
-  if (parts.size() != count) return bad("has " + std::to_string(parts.size()) + " parts");
+  const bool has_first = board.kind == BoardKind::kAprilgrid && parts.size() == count + 1;
+  if (parts.size() != count && !has_first)
+    return bad("has " + std::to_string(parts.size()) + " parts");
   const auto sides = split(parts[1], 'x');
-  const auto columns = parse_count(sides[0]), rows = parse_count(sides.back());
+  const auto columns = parse_count(sides[0], 1, 100), rows = parse_count(sides.back(), 1, 100);
   if (sides.size() != 2 || !columns || !rows) return bad("the size must be as 9x6");
   board.columns = *columns;
   board.rows = *rows;
@@ -79,6 +82,10 @@ Result<BoardSpec> parse_board(std::string_view text) {
   if (!second) return bad("the second length must be as 18mm");
   if (board.kind == BoardKind::kAprilgrid) {
     board.gap_m = *second;
+    const int most = kTags - board.columns * board.rows;
+    const auto first = has_first ? parse_count(parts[4], 0, most) : std::min(most, 0);
+    if (!first || *first < 0) return bad("its tags must be among the 587 of the dictionary 36h11");
+    board.first_tag = *first;
     return board;
   }
   if (*second >= board.square_m) return bad("a marker must be smaller than its square");
@@ -94,7 +101,8 @@ std::string board_text(const BoardSpec& board) {
     case BoardKind::kCharuco:
       return "charuco" + rest + ":" + millimetres(board.marker_m) + ":" + board.dictionary;
     case BoardKind::kAprilgrid:
-      return "aprilgrid" + rest + ":" + millimetres(board.gap_m);
+      return "aprilgrid" + rest + ":" + millimetres(board.gap_m) +
+             (board.first_tag > 0 ? ":" + std::to_string(board.first_tag) : "");
     default:
       return "checkerboard" + rest;
   }

@@ -22,19 +22,21 @@ struct BoardSpec {
   double marker_m = 0;        ///< ChArUco: side of a marker
   double gap_m = 0;           ///< AprilGrid: between tags
   std::string dictionary;     ///< ChArUco: OpenCV's name without DICT_, e.g. 5X5_250
+  int first_tag = 0;          ///< AprilGrid: number of the tag at the bottom left, 36h11
 
   bool operator==(const BoardSpec&) const = default;
 };
 
-/// Parses "checkerboard:9x6:25mm", "charuco:14x9:40mm:30mm:5X5_250", "aprilgrid:6x6:88mm:26.4mm".
-/// Errors: kUsage, with what is wrong and the valid forms.
+/// Parses "checkerboard:9x6:25mm", "charuco:14x9:40mm:30mm:5X5_250", "aprilgrid:6x6:88mm:26.4mm";
+/// "aprilgrid:6x6:88mm:26.4mm:36" where the first tag is number 36. Errors: kUsage, with what is
+/// wrong and the valid forms.
 Result<BoardSpec> parse_board(std::string_view text);
 /// The text that parse_board() reads.
 std::string board_text(const BoardSpec& board);
 
 /// Points by id, z = 0. Checkerboard: row by row from the first inner corner. ChArUco: the inner
-/// corners likewise. AprilGrid: 4 a tag, tag 0 at the bottom left and row by row upwards as Kalibr
-/// prints it; bottom left, bottom right, top right, top left.
+/// corners likewise. AprilGrid: 4 a tag, the first at the bottom left and row by row upwards as
+/// Kalibr prints it; bottom left, bottom right, top right, top left.
 std::vector<Eigen::Vector3d> board_points_m(const BoardSpec& board);
 /// Distance between neighbouring points: the square; the smaller of tag and gap for an AprilGrid.
 double pitch_m(const BoardSpec& board);

@@ -177,9 +177,9 @@ std::optional<BoardView> rough_aprilgrid(const cv::Mat& image, const BoardSpec& 
     std::vector<int> ids, kept_ids;
     cv::aruco::detectMarkers(image, known, tags, ids, parameters);
     for (std::size_t i = 0; i < ids.size(); ++i)
-      if (ids[i] < board.columns * board.rows) {
+      if (const int id = ids[i] - board.first_tag; id >= 0 && id < board.columns * board.rows) {
         kept.push_back(tags[i]);
-        kept_ids.push_back(ids[i]);
+        kept_ids.push_back(id);
       }
     if (kept.size() > found.size()) found = kept, found_ids = kept_ids;
   }

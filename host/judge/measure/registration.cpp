@@ -87,7 +87,7 @@ void RegistrationMeasure::scan(int length, const Depth& depth_m, const Gray& gra
 void RegistrationMeasure::add(ImageView<const float> depth_m, ImageView<const Rgb8> plate) {
   const auto [width, height] = plate.size;
   if (reach_px_ == 0) {
-    reach_px_ = std::max(kLeastReach_px, width / kReachPart);
+    reach_px_ = std::max(kLeastReach_px, width / kReachPart), width_px_ = width;
     for (auto& counts : offsets_) counts.assign(static_cast<std::size_t>(2 * reach_px_ + 1), 0);
   }
   const auto gray = [&](int x, int y) {
@@ -106,6 +106,7 @@ void RegistrationMeasure::add(ImageView<const float> depth_m, ImageView<const Rg
 
 Registration RegistrationMeasure::result() const {
   Registration result;
+  result.width_px = width_px_;
   std::vector<std::int64_t> sizes(static_cast<std::size_t>(reach_px_ + 1), 0);
   std::array<double, kFacings> median{};
   std::int64_t all = 0, matched = 0;

@@ -15,6 +15,7 @@ namespace mixrig::measure {
 /// taken off before the medians.
 struct Registration {
   int steps = 0;             ///< borders with an edge near them
+  int width_px = 0;          ///< of the pictures
   double matched_share = 0;  ///< of them, more than by chance
   double median_px = 0;      ///< of the distances' sizes
   /// The plate's edges lie so far to the right, below, and outside of the near surface.
@@ -35,7 +36,7 @@ class RegistrationMeasure {
   template <typename Depth, typename Gray>
   void scan(int length, const Depth& depth_m, const Gray& gray, Facing ahead, Facing back);
 
-  int reach_px_ = 0;
+  int reach_px_ = 0, width_px_ = 0;
   /// Counts of offsets -reach_px_..reach_px_ along the axis, by the side that the border faces.
   std::array<std::vector<std::int64_t>, kFacings> offsets_;
 };

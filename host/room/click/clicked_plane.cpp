@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "hal/base/order_statistics.h"
+#include "host/math/estimation/consensus.h"
 #include "host/math/estimation/decompositions.h"
-#include "host/math/estimation/points/plane_fit.h"
 #include "host/math/geometry/linear.h"
 #include "host/room/click/click_region.h"
 #include "host/room/click/click_step.h"
@@ -24,12 +24,12 @@ constexpr int kLeastClickPoints = 12;     ///< around the click
 constexpr double kLeastKnownClick = 0.6;  ///< of the pixels around it
 constexpr double kNearClick = 2.5;        ///< pixels of the depth camera that must lie on the plane
 constexpr double kMostNearOff = 0.1;      ///< share of them that may not
-/// Noise in stated sigmas, in the order in which it is tried. That of a take which states none may
-/// be far larger than its depth's.
-constexpr std::array kNoisier{1.0, 1.5, 2.2, 3.3, 0.5, 0.25};
+constexpr std::array kNoisier{1.0, 1.5, 2.2, 3.3};  ///< noise in stated sigmas, as it is tried
 constexpr double kMostNoisier = 3.3, kLeastNoisier = 0.25;
 constexpr double kSurelyLess = 0.6;  ///< measured noise below this share of the stated is believed
 constexpr double kCurvedSigmas = 5, kCurved_m = 4e-3;  ///< over the rectangle
+/// Share of the depth's noise that a bend may have: errors of structured light are waves.
+constexpr double kCurvedNoise = 0.8;
 constexpr double kLeastArea_m2 = 0.01;
 constexpr double kLeastClickSine = 0.087;  ///< 5 degrees
 constexpr int kClickRounds = 3;
@@ -76,9 +76,9 @@ ClickSurroundings look_around_click(const ClickGrid& grid, const geometry::Pinho
 }
 
 /// Whether the depths bend away from the plane: a quadratic over the rectangle that is certain and
-/// larger than kCurved_m.
+/// larger than kCurved_m and than its share of `noise_m`.
 bool is_curved(const ClickGrid& grid, const ClickRegion& region, const InversePlane& plane,
-               const std::vector<ClickPlace>& on) {
+               const std::vector<ClickPlace>& on, double noise_m) {
   Vector2d low(1e9, 1e9), high(-1e9, -1e9);
   for (const ClickPlace& at : on) {
     low = low.cwiseMin(Vector2d(at.x, at.y)), high = high.cwiseMax(Vector2d(at.x, at.y));
@@ -100,8 +100,8 @@ bool is_curved(const ClickGrid& grid, const ClickRegion& region, const InversePl
   const Vector6d bend_m = solver.solve(b);
   const Eigen::Matrix<double, 6, 6> inverse = solver.inverse();
   for (int i = 3; i < 6; ++i)
-    if (std::abs(bend_m[i]) >
-        std::max(kCurved_m, kCurvedSigmas * sigma_m * std::sqrt(inverse(i, i))))
+    if (std::abs(bend_m[i]) > std::max({kCurved_m, kCurvedNoise * noise_m,
+                                        kCurvedSigmas * sigma_m * std::sqrt(inverse(i, i))}))
       return true;
   return false;
 }
@@ -178,27 +178,37 @@ double median_sigma_m(const ClickGrid& grid, const std::vector<ClickPlace>& plac
   return upper_median(std::move(sigmas_m));
 }
 
-/// The plane that most of the places around the click agree with.
-std::variant<InversePlane, ClickRefusal> first_plane(const ClickGrid& grid,
+/// The plane that most of the places around the click agree with, by their inverse depths: where a
+/// pixel looks is exact, so that a small area carries a plane whose depths are noisy.
+std::variant<InversePlane, ClickRefusal> first_plane(const ClickRegion& region,
                                                      const std::vector<ClickPlace>& around) {
-  std::vector<Vector3d> points;
-  for (const ClickPlace& at : around) points.push_back(grid.at(at).point_m);
-  const double sigma_m = median_sigma_m(grid, around);
+  const auto fit = [&](std::span<const int> indices) {
+    std::vector<ClickPlace> places;
+    for (const int i : indices) places.push_back(around[static_cast<std::size_t>(i)]);
+    return region.fit(places);
+  };
+  const auto sample = [&](std::span<const int> indices) {
+    const auto plane = fit(indices);
+    return plane ? std::vector<InversePlane>{*plane} : std::vector<InversePlane>{};
+  };
   // Dark surfaces and those seen at an angle are noisier than the stated sigma.
-  estimation::Estimate<estimation::PlaneFit> first;
+  estimation::ConsensusFit<InversePlane> found;
   for (const double factor : kNoisier) {
-    first = estimation::fit_plane_robust(points, factor * sigma_m);
-    if (first.usable()) break;
+    const auto cost = [&](const InversePlane& plane, int i) {
+      return std::pow(region.sigmas(plane, around[static_cast<std::size_t>(i)]) / factor, 2);
+    };
+    found = estimation::fit_with_consensus<InversePlane>({static_cast<int>(around.size()), 3, 1, 3},
+                                                         true, fit, sample, cost);
+    if (found.model) return *found.model;
   }
-  if (!first.usable())
-    return first.verdict.reason.find("contradict") != std::string::npos ? ClickRefusal::kEdge
-                                                                        : ClickRefusal::kNotFlat;
-  // In the depth camera's axes, a . p = 1.
-  const geometry::Pose tof_from_view = geometry::inverse(grid.view_from_tof());
-  const Vector3d normal = tof_from_view.rotation * first.value.plane.normal;
-  const Vector3d middle_m = tof_from_view * first.value.centroid_m;
-  if (std::abs(normal.dot(middle_m.normalized())) < kLeastClickSine) return ClickRefusal::kGrazing;
-  return InversePlane{normal / normal.dot(middle_m), {}};
+  return found.reason.find("contradict") != std::string::npos ? ClickRefusal::kEdge
+                                                              : ClickRefusal::kNotFlat;
+}
+
+bool is_grazing(const InversePlane& plane, const geometry::Pose& tof_from_view,
+                const ClickSample& sample) {
+  return std::abs(plane.a.normalized().dot((tof_from_view * sample.point_m).normalized())) <
+         kLeastClickSine;
 }
 
 /// Grows the region from the places `on` the plane and fits the plane to it, in turn; at last moves
@@ -288,16 +298,19 @@ std::variant<ClickedPlane, ClickRefusal> plane_under(const ClickPicture& picture
   if (known < kLeastClickPoints || known < kLeastKnownClick * (known + around.unknown))
     return ClickRefusal::kUnknown;
 
-  const auto first = first_plane(grid, around.known);
+  ClickRegion region(grid);
+  const auto first = first_plane(region, around.known);
   if (const auto* refusal = std::get_if<ClickRefusal>(&first)) return *refusal;
   auto plane = std::get<InversePlane>(first);
-
-  ClickRegion region(grid);
+  if (is_grazing(plane, geometry::inverse(grid.view_from_tof()), grid.at(around.known[0])))
+    return ClickRefusal::kGrazing;
+  const double stated_m = median_sigma_m(grid, around.known);
   std::vector<double> sizes;
   for (const ClickPlace& at : around.known) sizes.push_back(std::abs(region.sigmas(plane, at)));
   const double measured = 1.4826 * upper_median(sizes);
-  grid.scale_sigmas(
-      std::clamp(measured, measured < kSurelyLess ? kLeastNoisier : 1.0, kMostNoisier));
+  const double noisier =
+      std::clamp(measured, measured < kSurelyLess ? kLeastNoisier : 1.0, kMostNoisier);
+  grid.scale_sigmas(noisier);
   std::vector<ClickPlace> on;
   int near = 0, near_off = 0;
   for (const ClickPlace& at : around.known) {
@@ -309,7 +322,8 @@ std::variant<ClickedPlane, ClickRefusal> plane_under(const ClickPicture& picture
   }
   if (near == 0) return ClickRefusal::kUnknown;
   if (near_off > kMostNearOff * near) return ClickRefusal::kEdge;
-  if (static_cast<int>(on.size()) < kLeastClickPoints || is_curved(grid, region, plane, on))
+  if (static_cast<int>(on.size()) < kLeastClickPoints ||
+      is_curved(grid, region, plane, on, std::min(noisier, 1.0) * stated_m))
     return ClickRefusal::kNotFlat;
 
   if (!settle(grid, view, click, on, region, plane)) return ClickRefusal::kNotFlat;

@@ -57,9 +57,9 @@ enum class ClickRefusal {
 /// Explains a refusal in one sentence.
 std::string_view text_of(ClickRefusal refusal);
 
-/// Finds a plane through the depths around the pixel (estimation::fit_plane_robust), grows it over
-/// neighbours within three sigmas to its border, and fits it again to all of them by least squares
-/// of inverse depth, which is linear in the ray, weighted by the depth's noise. What a step
+/// Finds a plane through the depths around the pixel (estimation::fit_with_consensus), grows it
+/// over neighbours within three sigmas to its border, and fits it again to all of them by least
+/// squares of inverse depth, which is linear in the ray, weighted by the depth's noise. What a step
 /// separates from the click, even one within the noise of a depth (click_step.h), belongs to the
 /// region but not to the fit. The sigma includes a share that neighbours have in common
 /// (kCommonShare). Pure; time grows with the pixels of the depth picture.

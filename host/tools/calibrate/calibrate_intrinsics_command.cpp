@@ -197,7 +197,7 @@ void add_calibrate_intrinsics_command(Command app, Context& context) {
       .add_option(
           "--board", arguments->board,
           "checkerboard:9x6:25mm (inner corners), charuco:14x9:40mm:30mm:5X5_250 (squares), "
-          "aprilgrid:6x6:88mm:26.4mm (tags)")
+          "aprilgrid:6x6:88mm:26.4mm[:FIRST] (tags)")
       .required();
   command.add_option("--model", arguments->model, "pinhole or fisheye")
       .one_of({"pinhole", "fisheye"});

@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // mixrig diag: health of every device, with advice.
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "host/capture/capture/calibrated_source.h"
 #include "host/capture/live/check/diagnose.h"
 #include "host/capture/live/rig/discover.h"
 #include "host/capture/open/open_source.h"
 #include "host/tools/command.h"
 #include "host/tools/extras.h"
+#include "host/tools/rig/registration_figures.h"
 
 namespace mixrig::tools {
 namespace {
@@ -71,6 +78,39 @@ Result<void> verdict_of(const std::vector<live::Check>& checks) {
   return Error{ErrorCode::kDevice, "diag: failed: " + failed + ": do what the table advises"};
 }
 
+/// How well depth lies on the plate in captures of the rig.
+Result<measure::Registration> measured_registration(const std::string& rig, Clock& clock) {
+  constexpr int kCaptures = 20;
+  const std::atomic<bool> stop = false;
+  MIXRIG_ASSIGN(auto source, session::open_rig(rig, scene::Scene{}, stop, clock, source_kinds()));
+  MIXRIG_ASSIGN(source, capture::with_calibration(std::move(source), source->info().calibration));
+  std::vector<int> numbers(kCaptures);
+  std::iota(numbers.begin(), numbers.end(), 1);
+  return registration_of(*source, numbers);
+}
+
+/// The check of a rig that has a calibration and whose devices have passed; absent otherwise.
+std::optional<live::Check> check_registration(const std::string& rig, const live::RigConfig& config,
+                                              const std::vector<live::Check>& checks,
+                                              Clock& clock) {
+  constexpr double kFar = 0.01;  // of the width; edges of a person who moves scatter by half of it
+  const bool calibrated = !config.calibration.empty() || (config.target && config.tof);
+  if (!calibrated || config.cameras.empty() || !config.depth || !verdict_of(checks))
+    return std::nullopt;
+  live::Check check{config.depth->name, "registration", live::Verdict::kPass, "", ""};
+  const auto found = measured_registration(rig, clock);
+  if (!found) {
+    check.verdict = live::Verdict::kWarn, check.value = "not measured: " + found.error().context;
+    check.advice = "mixrig run with this rig says what is wrong";
+    return check;
+  }
+  check.value = registration_text(*found);
+  if (!found->known() || found->median_px <= kFar * found->width_px) return check;
+  check.verdict = live::Verdict::kWarn;
+  check.advice = "depth lies beside what it belongs to: calibrate the rig again";
+  return check;
+}
+
 Result<nlohmann::json> diag(const DiagArguments& arguments, Result<void>& found) {
   live::DiagnoseOptions options;
   options.grey_card = !arguments.grey_card.empty();
@@ -86,8 +126,11 @@ Result<nlohmann::json> diag(const DiagArguments& arguments, Result<void>& found)
   }
   options.watch = Duration(static_cast<long>(arguments.watch_s * 1e9));
   options.move_head = !arguments.no_move;
-  const auto checks =
+  auto checks =
       live::diagnose(config, session::device_opener(config, source_kinds(), clock), options, clock);
+  if (!arguments.rig.empty())
+    if (auto check = check_registration(arguments.rig, config, checks, clock))
+      checks.push_back(*std::move(check));
   print(checks);
   found = verdict_of(checks);
   return to_json(checks);

@@ -10,9 +10,11 @@ TEST(Board, ReadsAndWritesItsWords) {
   const BoardSpec checkerboard{BoardKind::kCheckerboard, 9, 6, 0.025, 0, 0, ""};
   const BoardSpec charuco{BoardKind::kCharuco, 14, 9, 0.04, 0.03, 0, "5X5_250"};
   const BoardSpec aprilgrid{BoardKind::kAprilgrid, 6, 6, 0.088, 0, 0.0264, ""};
+  const BoardSpec later{BoardKind::kAprilgrid, 6, 6, 0.088, 0, 0.0264, "", 36};
   for (const auto& [text, board] : {std::pair("checkerboard:9x6:25mm", checkerboard),
                                     std::pair("charuco:14x9:40mm:30mm:5X5_250", charuco),
-                                    std::pair("aprilgrid:6x6:88mm:26.4mm", aprilgrid)}) {
+                                    std::pair("aprilgrid:6x6:88mm:26.4mm", aprilgrid),
+                                    std::pair("aprilgrid:6x6:88mm:26.4mm:36", later)}) {
     const auto read = parse_board(text);
     ASSERT_TRUE(read) << read.error().context;
     EXPECT_EQ(*read, board);
@@ -27,7 +29,9 @@ TEST(Board, RefusesWhatIsNoBoard) {
        {"", "chessboard:9x6:25mm", "checkerboard:9x6", "checkerboard:9x6:25", "checkerboard:9:25mm",
         "checkerboard:9x6x2:25mm", "checkerboard:2x6:25mm", "checkerboard:-9x6:25mm",
         "checkerboard:9x6:-25mm", "checkerboard:9x6:nanmm", "checkerboard:999x6:25mm",
-        "charuco:14x9:40mm:30mm", "charuco:14x9:40mm:40mm:5X5_250", "aprilgrid:6x6:88mm"}) {
+        "charuco:14x9:40mm:30mm", "charuco:14x9:40mm:40mm:5X5_250", "aprilgrid:6x6:88mm",
+        "aprilgrid:6x6:88mm:26mm:552", "aprilgrid:6x6:88mm:26mm:-1", "aprilgrid:6x6:88mm:26mm:0:0",
+        "aprilgrid:25x25:88mm:26mm"}) {
     const auto read = parse_board(text);
     ASSERT_FALSE(read) << text;
     EXPECT_EQ(read.error().code, ErrorCode::kUsage);

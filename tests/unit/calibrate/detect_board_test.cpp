@@ -30,8 +30,8 @@ struct Case {
 TEST(DetectBoard, FindsEveryKindWithItsIds) {
   for (const Case& c :
        {Case{"checkerboard:9x6:25mm", 0.42, 54}, Case{"charuco:9x6:30mm:20mm:5X5_250", 0.42, 36},
-        Case{"charuco:8x6:30mm:20mm:5X5_250", 0.42, 30},
-        Case{"aprilgrid:4x3:60mm:18mm", 0.5, 30}}) {
+        Case{"charuco:8x6:30mm:20mm:5X5_250", 0.42, 30}, Case{"aprilgrid:4x3:60mm:18mm", 0.5, 30},
+        Case{"aprilgrid:4x3:60mm:18mm:36", 0.5, 30}}) {
     const BoardSpec board = *parse_board(c.board);
     const test::DrawnCamera camera;
     for (const Vector3d& turn :

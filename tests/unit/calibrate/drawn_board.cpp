@@ -44,7 +44,7 @@ class Face {
     const int count = board_.columns * board_.rows;
     for (int id = 0; id < count; ++id) {
       cv::Mat marker;
-      cv::aruco::drawMarker(known, id, cells_, marker, border);
+      cv::aruco::drawMarker(known, board_.first_tag + id, cells_, marker, border);
       markers_.push_back(marker);
     }
   }

@@ -91,10 +91,14 @@ Result<std::shared_ptr<Player>> DeviceOpener::open_player(const std::string& rec
   for (Recording& known : recordings_) {
     if (known.uri != recording) continue;
     if (!known.source) return known.source.error();
-    MIXRIG_ASSIGN(auto player, Player::create(*std::move(known.source), recording, clock_));
-    if (play_at_) player->play_at(*play_at_);
-    players_.emplace_back(recording, player);
-    return player;
+    auto player = Player::create(*std::move(known.source), recording, clock_);
+    if (!player) {
+      known.source = player.error();  // its source is used up; another device may ask again
+      return player.error();
+    }
+    if (play_at_) (*player)->play_at(*play_at_);
+    players_.emplace_back(recording, *player);
+    return *player;
   }
   return Error{ErrorCode::kUsage, recording + ": recordings cannot be played as devices here"};
 }
