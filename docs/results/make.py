@@ -46,8 +46,8 @@ def collect(shop, chosen, calibrated):
             for rig in RIGS:
                 take = shop.take(scenario, rig, seed, tolerance=True)
                 runs["known", scenario, rig, seed] = shop.run(take)
-                runs["estimated", scenario, rig, seed] = shop.run(
-                    take, calibration=shop.calibration(rig, seed))
+                if calibration := shop.calibration(rig, seed):
+                    runs["estimated", scenario, rig, seed] = shop.run(take, calibration=calibration)
     for rig in RIGS[:2]:
         take = shop.take("walk", rig, chosen[0], FULL_SIZE, FULL_FRAMES)
         runs["full", "walk", rig, chosen[0]] = shop.run(take, baselines=False)

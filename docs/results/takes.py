@@ -90,14 +90,17 @@ class Workshop:
         return out
 
     def calibration(self, rig, seed):
-        """Estimated from boards that the cameras of this rig and seed see."""
+        """Estimated from boards that the cameras of this rig and seed see; None where they are refused."""
         out = self.runs / f"calibration-{rig}-{seed}.toml"
         boards = self.takes / f"boards-{rig}-{seed}"
         if not (boards / "views.toml").exists():
             self.call("studio", boards, "--scenario", "board", "--views", BOARD_VIEWS,
                       "--rig", rig, "--seed", seed, "--tolerance", 1, "--size", SIZE)
         if not out.exists():
-            self.call("calibrate", "rig", boards, "--out", out)
+            try:
+                self.call("calibrate", "rig", boards, "--out", out)
+            except subprocess.CalledProcessError:
+                return None
         return out
 
     def run(self, take, condition="true", calibration=None, frames=None, baselines=True):
