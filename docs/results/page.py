@@ -184,7 +184,9 @@ class Page:
         return wrapped(
             f"*Seed {', '.join(map(str, self.calibrated))}, `--tolerance 1`; `mixrig studio BOARDS "
             f"--scenario board --views {BOARD_VIEWS} --tolerance 1 --size {SIZE}`, `mixrig "
-            f"calibrate rig BOARDS`, which refuses boards that few views show (-). First: {self.inputs('known')}. Second: {self.inputs('estimated')}.*") + "\n" + self.condition_table(["known", "estimated"], paths)
+            "calibrate rig BOARDS`, which refuses boards that few views show (-). First: "
+            f"{self.inputs('known')}. Second: {self.inputs('estimated')}.*") + "\n" + \
+            self.condition_table(["known", "estimated"], paths)
 
     def look_section(self):
         paths = [("key_iou", 3, "error.key_iou"),

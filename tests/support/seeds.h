@@ -11,8 +11,8 @@ namespace mixrig::test::seeds {
 
 inline constexpr int kLastTuned = 1000;
 
-/// Seeds of the figures in docs/results: held out ones, and for comparison some that may be tuned
-/// on.
+/// Seeds of the figures in docs/results: held out ones, which `make.py --tag 0.1.0` drew before
+/// they were spent, and for comparison some that may be tuned on.
 inline constexpr std::array kFigures{787789, 397498};
 inline constexpr std::array kTunedFigures{7};
 /// Seeds of the figures with an estimated calibration: boards and takes of one rig.

@@ -8,7 +8,6 @@
 #include "hal/base/angles.h"
 #include "hal/base/srgb.h"
 #include "host/math/geometry/lamp.h"
-#include "host/room/lamps/shading.h"
 
 namespace mixrig::lights {
 namespace {
@@ -38,7 +37,8 @@ void each_panel_point(const geometry::Lamp& lamp, const Use& use) {
     }
 }
 
-/// Irradiance of a lamp like irradiance_of(), with occlusion of the panel by the room.
+/// Mean of cos(receiver) [cos(emitter)] / d^2 over the part of a lamp's panel that the room does
+/// not hide, 1/m^2.
 double seen_irradiance(const RoomSurfaces& room, const geometry::Lamp& lamp,
                        const Vector3d& position_m, const Vector3d& normal) {
   const Vector3d start = position_m + 0.01 * normal;
@@ -126,16 +126,6 @@ int keep_large_planes(std::vector<LitPlace>& places) {
     return p.plane < 0;
   });
   return planes;
-}
-
-double irradiance_of(const geometry::Lamp& lamp, const Vector3d& position_m,
-                     const Vector3d& normal) {
-  double sum = 0;
-  int count = 0;
-  each_panel_point(lamp, [&](const geometry::Lamp& point) {
-    sum += geometry::irradiance(point, position_m, normal), ++count;
-  });
-  return sum / count;
 }
 
 }  // namespace mixrig::lights

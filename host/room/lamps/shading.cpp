@@ -6,11 +6,8 @@
 
 #include <Eigen/Geometry>
 
-#include "hal/base/angles.h"
 #include "hal/base/order_statistics.h"
-#include "hal/base/srgb.h"
 #include "host/math/estimation/decompositions.h"
-#include "host/math/geometry/lamp.h"
 #include "host/room/lamps/lit_places.h"
 
 namespace mixrig::lights {

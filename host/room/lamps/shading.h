@@ -40,8 +40,4 @@ estimation::Estimate<RoomLight> measure_light(const RoomSurfaces& room,
                                               std::span<const FoundLamp> lamps,
                                               const ShadingOptions& options = {});
 
-/// Mean of cos(receiver) [cos(emitter)] / d^2 over a lamp's panel, 1/m^2, without occlusion.
-double irradiance_of(const geometry::Lamp& lamp, const Eigen::Vector3d& position_m,
-                     const Eigen::Vector3d& normal);
-
 }  // namespace mixrig::lights

@@ -118,13 +118,16 @@ class CarriedSource final : public capture::CaptureSource {
   capture::SourceInfo info_;
 };
 
+Result<model::StaticBackground> learned_on_the_way(CarriedSource& source) {
+  MIXRIG_ASSIGN(const auto setup, setup_of(source.info(), std::nullopt));
+  const auto poses = pose::make_own_poses(true, true);
+  return learn_background(source, setup, {1, CarriedSource::kFrames}, {render::Backend::kCpu, 2},
+                          {}, poses.get());
+}
+
 TEST(LearnMoving, TheRoomIsWhereItIsAndWiderThanAFrame) {
   CarriedSource source;
-  const auto setup = setup_of(source.info(), std::nullopt);
-  ASSERT_TRUE(setup);
-  const auto poses = pose::make_own_poses(true, true);
-  const auto learned = learn_background(source, *setup, {1, CarriedSource::kFrames},
-                                        {render::Backend::kCpu, 2}, {}, poses.get());
+  const auto learned = learned_on_the_way(source);
   ASSERT_TRUE(learned) << learned.error().context;
   ASSERT_TRUE(learned->world_from_view);
   EXPECT_GT(learned->view.size_px.width, kLearnView.size_px.width + 20);
@@ -151,11 +154,7 @@ TEST(LearnMoving, TheRoomIsWhereItIsAndWiderThanAFrame) {
 TEST(LearnMoving, AMirrorIsTheWallThatItHangsOn) {
   CarriedSource source;
   source.hang_mirror();
-  const auto setup = setup_of(source.info(), std::nullopt);
-  ASSERT_TRUE(setup);
-  const auto poses = pose::make_own_poses(true, true);
-  const auto learned = learn_background(source, *setup, {1, CarriedSource::kFrames},
-                                        {render::Backend::kCpu, 2}, {}, poses.get());
+  const auto learned = learned_on_the_way(source);
   ASSERT_TRUE(learned) << learned.error().context;
   const Eigen::Isometry3d world_from_view(learned->world_from_view->matrix());
   int mirror = 0, on_wall = 0, colored = 0;
